@@ -1,16 +1,21 @@
 // Boards with known truth: projected corners with noise, and rendered pictures.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "lake/camera/board.h"
 #include "lake/camera/camera.h"
+#include "lake/video/image.h"
+#include "places.h"
 
 namespace lake {
 
@@ -88,6 +93,58 @@ camera::BoardView NoisyView(const camera::Camera& camera, const camera::Board& b
     view.pixel[i] += sigma_px * Eigen::Vector2d(noise(random), noise(random));
   }
   return view;
+}
+
+// The same with room for the detector, which needs the outer squares.
+template <typename Random>
+Eigen::Isometry3d PoseWellInside(const camera::Camera& camera, const camera::Board& board, Random& random,
+                                 double margin_px) {
+  for (;;) {
+    const Eigen::Isometry3d pose = RandomPose(camera, board, random, 40);
+    if (InsidePicture(camera, CornerPixels(camera, board, pose), margin_px)) return pose;
+  }
+}
+
+// So many views of the board from anywhere.
+inline std::vector<camera::BoardView> NoisyViews(const camera::Camera& camera, int count, double sigma_px,
+                                                 std::uint64_t seed, double most_tilt_deg = 45) {
+  std::mt19937_64 random(seed);
+  std::vector<camera::BoardView> views;
+  for (int i = 0; i < count; ++i) {
+    views.push_back(NoisyView(camera, kBoard, RandomPose(camera, kBoard, random, most_tilt_deg), sigma_px, random));
+    views.back().name = "view " + std::to_string(i);
+  }
+  return views;
+}
+
+// By how much each corner of a view is off. A board without codes may be taken to stand on its head.
+inline std::vector<Eigen::Vector2d> Errors(const camera::BoardView& view, const std::vector<Eigen::Vector2d>& truth) {
+  const bool turned = (view.pixel.front() - truth.front()).norm() > (view.pixel.front() - truth.back()).norm();
+  std::vector<Eigen::Vector2d> errors;
+  for (std::size_t c = 0; c < truth.size(); ++c)
+    errors.push_back(view.pixel[c] - truth[turned ? truth.size() - 1 - c : c]);
+  return errors;
+}
+
+inline double RmsPx(const std::vector<Eigen::Vector2d>& errors) {
+  double square = 0;
+  for (const Eigen::Vector2d& error : errors) square += error.squaredNorm();
+  return std::sqrt(square / static_cast<double>(errors.size()));
+}
+
+// OpenCV's published pictures of one side, with a window of the detector or (0) its own choice.
+inline std::vector<camera::BoardView> OpenCvViews(const std::string& side, int half_window_px = 0) {
+  std::vector<camera::BoardView> views;
+  for (int i = 1; i <= 14; ++i) {
+    const std::string name = fmt::format("{}{:02}.jpg", side, i);
+    if (i == 10) continue;  // not in the set
+    camera::BoardDetectionOptions options;
+    options.half_window_px = half_window_px;
+    const cv::Mat picture = video::ReadImage(SharedData() / "opencv_leftright" / name, false);
+    views.push_back(camera::DetectBoard(picture, kBoard, options).value());
+    views.back().name = name;
+  }
+  return views;
 }
 
 // A board's sheet at 10 px per mm, one square of white around the board's squares. Its edges cut it into columns and

@@ -1,59 +1,41 @@
 // lake-calibrate as a user runs it.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "board_scene.h"
+#include "cli/program_run.h"
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/json.h"
 #include "lake/video/image.h"
-#include "places.h"
-#include "temporary_folder.h"
 
 namespace lake {
 namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-struct Outcome {
-  int exit_code;
-  std::string out, err;
-};
-
 class CalibrateProgram : public testing::Test {
  protected:
-  Outcome Run(const std::string& arguments) {
-    const std::string command = fmt::format("cd {} && {} {} >out 2>err", Quoted(folder_.Path()),
-                                            Quoted(BinDir() / "lake-calibrate"), arguments);
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), ReadTextFile(folder_ / "out"), ReadTextFile(folder_ / "err")};
-  }
-
   // Pictures of the board in many poses, named 00.png …
   void Photograph(int count) {
     std::mt19937_64 random(9);
-    for (int i = 0; i < count;) {
-      const auto pose = scene::RandomPose(kSmallCamera, kBoard, random, 40);
-      if (!scene::InsidePicture(kSmallCamera, scene::CornerPixels(kSmallCamera, kBoard, pose), 25)) continue;
-      video::WriteImage(folder_ / fmt::format("{:02}.png", i++),
+    for (int i = 0; i < count; ++i) {
+      const auto pose = scene::PoseWellInside(kSmallCamera, kBoard, random, 25);
+      video::WriteImage(folder_ / fmt::format("{:02}.png", i),
                         scene::Render(kSmallCamera, kBoard, pose, random, {0.6, 1.5, 3}));
     }
   }
 
-  static void ExpectOneLine(const Outcome& outcome, int exit_code, const std::string& text) {
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr(text));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  void Refused(const std::string& arguments, int exit_code, const std::string& text) const {
+    EXPECT_EQ(ExpectRefused(folder_, "lake-calibrate " + arguments, exit_code, text).ErrorLines(), 1);
   }
 
   TemporaryFolder folder_;
 };
+
+const std::string kCalibrate = "lake-calibrate *.png --board chessboard:9x6:25 --quiet -o camera ";
 
 // 6x4 inner corners of 25 mm, square to a camera of 220 px at 300 mm; each pixel is the mean of four rays.
 cv::Mat1b BoardSquareToTheCamera() {
@@ -75,15 +57,13 @@ cv::Mat1b BoardSquareToTheCamera() {
 // its own log.
 TEST_F(CalibrateProgram, SaysNothingInTheWordsOfALibrary) {
   for (int i = 0; i < 5; ++i) video::WriteImage(folder_ / fmt::format("{}.png", i), BoardSquareToTheCamera());
-  ExpectOneLine(Run("*.png --board chessboard:6x4:25 --quiet -o camera"), 1,
-                "lake-calibrate: the views do not fix the camera");
+  Refused("*.png --board chessboard:6x4:25 --quiet -o camera", 1, "lake-calibrate: the views do not fix the camera");
 }
 
 TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   Photograph(12);
   video::WriteImage(folder_ / "99.png", cv::Mat1b(480, 640, uchar{90}));
-  const Outcome run = Run("*.png --board chessboard:9x6:25 --fix-k3 --json --quiet -o camera");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Outcome run = Done(folder_, kCalibrate + "--fix-k3 --json");
   EXPECT_THAT(run.err, HasSubstr("no board seen in 1 of 13 images, left out: 99.png"));
   const Json summary = Json::parse(run.out);
   for (const char* key :
@@ -98,9 +78,10 @@ TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   EXPECT_LT(std::abs(profile.camera.fx - kSmallCamera.fx), 5 * profile.uncertainty->intrinsics_sd[0]);
   EXPECT_EQ(profile.uncertainty->rms_px, summary["rms_px"].get<double>());
 
-  const Outcome plane = Run("plane 03.png --camera camera/camera.yaml --board chessboard:9x6:25 -o camera --json");
-  ASSERT_EQ(plane.exit_code, 0) << plane.err;
-  EXPECT_EQ(Json::parse(plane.out)["options"]["board"], "chessboard:9x6:25");
+  const Json plane = DoneJson(folder_,
+                              "lake-calibrate plane 03.png --camera camera/camera.yaml --board chessboard:9x6:25 "
+                              "-o camera --json");
+  EXPECT_EQ(plane["options"]["board"], "chessboard:9x6:25");
   const camera::CameraProfile with_plane = camera::ReadCameraProfile(folder_ / "camera/camera.yaml");
   EXPECT_TRUE(with_plane.camera_from_plane && with_plane.plane_uncertainty && with_plane.uncertainty);
   EXPECT_EQ(with_plane.camera.fx, profile.camera.fx);
@@ -112,8 +93,7 @@ TEST_F(CalibrateProgram, AViewThatDoesNotFitIsLeftOutByNameAndTheLensModelIsSaid
   cv::Mat squeezed = video::ReadImage(folder_ / "07.png", false);
   cv::resize(squeezed(cv::Rect(0, 0, 640, 400)).clone(), squeezed, {640, 480});
   video::WriteImage(folder_ / "07.png", squeezed);
-  const Outcome run = Run("*.png --board chessboard:9x6:25 --quiet -o camera");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Outcome run = Done(folder_, kCalibrate);
   EXPECT_THAT(run.err, HasSubstr("07.png does not fit the other views"));
   EXPECT_THAT(run.out, HasSubstr("lens model "));
   const Json summary = ReadJsonFile(folder_ / "camera/summary.json");
@@ -139,9 +119,7 @@ TEST_F(CalibrateProgram, WhatNoLensExplainsIsNoCamera) {
     cv::remap(flat, bent, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     video::WriteImage(file, bent);
   }
-  const Outcome outcome = Run("*.png --board chessboard:9x6:25 --quiet -o camera");
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("lake-calibrate: no camera explains the corners: RMS"));
+  ExpectRefused(folder_, kCalibrate, 1, "lake-calibrate: no camera explains the corners: RMS");
   EXPECT_FALSE(fs::exists(folder_ / "camera/camera.yaml"));
 }
 
@@ -152,35 +130,32 @@ TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
   camera::Camera other = kSmallCamera;
   other.image_width = 1280;
   camera::WriteCameraProfile(folder_ / "other.yaml", {other, {}, {}, {}});
-  ExpectOneLine(Run(""), 2, "no pictures given");
-  ExpectOneLine(Run("00.png"), 2, "no board given");
-  ExpectOneLine(Run("00.png --board chess:9x6:25"), 2, "board 'chess:9x6:25'");
-  ExpectOneLine(Run("00.png --board chessboard:9x6:25 --loss huber"), 2, "huber");
-  ExpectOneLine(Run("--no-such-option"), 2, "--no-such-option");
-  ExpectOneLine(Run("none.png 00.png --board chessboard:9x6:25"), 1, "none.png");
-  ExpectOneLine(Run("00.png 01.png --board chessboard:9x6:25 --quiet"), 1,
-                "the board was given in 2 views; at least 3");
-  ExpectOneLine(Run("00.png small.png --board chessboard:9x6:25 --quiet"), 1, "small.png: it has 320x240");
-  ExpectOneLine(Run("00.png 01.png --board chessboard:11x8:25 --quiet"), 1, "seen in none of 2 images");
-  ExpectOneLine(Run("plane 00.png --camera camera.yaml"), 2, "either --board or --points");
-  ExpectOneLine(Run("plane 00.png --camera other.yaml --board chessboard:9x6:25"), 1,
-                "calibrated at 1280x480 px, but 00.png has 640x480");
-  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '1,2=3,4'"), 2, "at least 4 points");
-  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;9000,10=9,0;90,90=9,9;10,90=0,9'"), 2,
-                "outside the picture");
-  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=9,0;90,90=9,9;10,90=0,9'"), 1,
-                "mirrored");
-  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=1.2,0;90,90=1.2,0.9;10,90=0,0.9'"), 2,
-                "within 1.5 mm of each other");
+  Refused("", 2, "no pictures given");
+  Refused("00.png", 2, "no board given");
+  Refused("00.png --board chess:9x6:25", 2, "board 'chess:9x6:25'");
+  Refused("00.png --board chessboard:9x6:25 --loss huber", 2, "huber");
+  Refused("--no-such-option", 2, "--no-such-option");
+  Refused("none.png 00.png --board chessboard:9x6:25", 1, "none.png");
+  Refused("00.png 01.png --board chessboard:9x6:25 --quiet", 1, "the board was given in 2 views; at least 3");
+  Refused("00.png small.png --board chessboard:9x6:25 --quiet", 1, "small.png: it has 320x240");
+  Refused("00.png 01.png --board chessboard:11x8:25 --quiet", 1, "seen in none of 2 images");
+  Refused("plane 00.png --camera camera.yaml", 2, "either --board or --points");
+  Refused("plane 00.png --camera other.yaml --board chessboard:9x6:25", 1,
+          "calibrated at 1280x480 px, but 00.png has 640x480");
+  Refused("plane 00.png --camera camera.yaml --points '1,2=3,4'", 2, "at least 4 points");
+  Refused("plane 00.png --camera camera.yaml --points '10,10=0,0;9000,10=9,0;90,90=9,9;10,90=0,9'", 2,
+          "outside the picture");
+  Refused("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=9,0;90,90=9,9;10,90=0,9'", 1, "mirrored");
+  Refused("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=1.2,0;90,90=1.2,0.9;10,90=0,0.9'", 2,
+          "within 1.5 mm of each other");
   // Points in a line, two at one place: no word of Ceres' own log.
   for (const char* points :
        {"10,10=0,0;300,10=900,0;500,10=1800,0;600,10=2000,0", "10,400=0,0;10,400=0,0;500,60=1800,1000;600,400=2000,0"})
-    ExpectOneLine(Run(fmt::format("plane 00.png --camera camera.yaml --points '{}'", points)), 1,
-                  "do not span a plane");
-  ExpectOneLine(Run("00.png --board chessboard:9x6:0.025"), 2, "is it in m?");
-  ExpectOneLine(Run("plane 00.png --camera none.yaml --board chessboard:9x6:25"), 1, "none.yaml");
-  ExpectOneLine(Run("board --board chessboard:9x6:90 --paper a4"), 1, "does not fit on a4");
-  ExpectOneLine(Run("board --board chessboard:9x6:25 --paper b5"), 2, "--paper 'b5'");
+    Refused(fmt::format("plane 00.png --camera camera.yaml --points '{}'", points), 1, "do not span a plane");
+  Refused("00.png --board chessboard:9x6:0.025", 2, "is it in m?");
+  Refused("plane 00.png --camera none.yaml --board chessboard:9x6:25", 1, "none.yaml");
+  Refused("board --board chessboard:9x6:90 --paper a4", 1, "does not fit on a4");
+  Refused("board --board chessboard:9x6:25 --paper b5", 2, "--paper 'b5'");
 }
 
 }  // namespace

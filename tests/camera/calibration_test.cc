@@ -1,36 +1,23 @@
 #include "lake/camera/calibration.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
-#include <map>
 #include <opencv2/calib3d.hpp>
 
 #include "board_scene.h"
 #include "lake/camera/calibration_quality.h"
-#include "lake/core/error.h"
-#include "lake/video/image.h"
+#include "message_of.h"
 #include "places.h"
 
 namespace lake {
 namespace {
 namespace fs = std::filesystem;
 
-struct Recording {
-  std::vector<camera::BoardView> views;
-  std::vector<Eigen::Isometry3d> poses;
-};
-
-Recording Record(const camera::Camera& camera, int views, double sigma_px, std::uint64_t seed, double tilt_deg = 45) {
-  std::mt19937_64 random(seed);
-  Recording recording;
-  for (int i = 0; i < views; ++i) {
-    recording.poses.push_back(scene::RandomPose(camera, kBoard, random, tilt_deg));
-    recording.views.push_back(scene::NoisyView(camera, kBoard, recording.poses.back(), sigma_px, random));
-    recording.views.back().name = fmt::format("view {}", i);
-  }
-  return recording;
+// From views of a camera's pictures.
+camera::CalibrationResult Calibrate(const camera::Camera& camera, const std::vector<camera::BoardView>& views,
+                                    const camera::CalibrationOptions& options = {}) {
+  return camera::CalibrateCamera(kBoard, views, camera.image_width, camera.image_height, options);
 }
 
 Eigen::Matrix<double, 9, 1> Parameters(const camera::Camera& camera) {
@@ -49,18 +36,19 @@ camera::CalibrationOptions LeastSquares() {
 TEST(CalibrateCamera, ExactCornersGiveTheExactCamera) {
   const camera::Camera truth = scene::Lens();
   for (const auto& [views, robust] : {std::pair(15, false), {15, true}, {47, true}}) {  // more views than the seed's
-    const Recording recording = Record(truth, views, 0, 1);
     camera::CalibrationOptions options;
     options.robust = robust;
-    const auto result =
-        camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
+    const std::vector<camera::BoardView> seen = scene::NoisyViews(truth, views, 0, 1);
+    const auto result = Calibrate(truth, seen, options);
     ASSERT_TRUE(result.summary.usable);
     // The seed works on float corners; the bundle adjustment on doubles ends at rounding.
     EXPECT_LT((Parameters(result.camera) - Parameters(truth)).cwiseAbs().maxCoeff(), 1e-5)
         << Parameters(result.camera).transpose();
     EXPECT_LT(result.rms_px, 1e-7);
-    for (std::size_t i = 0; i < recording.poses.size(); ++i)
-      EXPECT_LT((result.camera_from_board[i].matrix() - recording.poses[i].matrix()).cwiseAbs().maxCoeff(), 1e-4) << i;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      EXPECT_LT(scene::RmsPx(scene::Errors(seen[i], scene::CornerPixels(truth, kBoard, result.camera_from_board[i]))),
+                1e-4)
+          << i;
   }
 }
 
@@ -79,9 +67,8 @@ TEST_P(FiftySeeds, StandardDeviationsAreHonest) {
   Eigen::Matrix<double, 9, 1> square = Eigen::Matrix<double, 9, 1>::Zero();
   for (int seed = 0; seed < kSeeds; ++seed) {
     const int views = 12 + seed % 14;
-    const Recording recording = Record(truth, views, kNoise, 1000 + static_cast<std::uint64_t>(seed));
-    const auto result =
-        camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
+    const auto seen = scene::NoisyViews(truth, views, kNoise, 1000 + static_cast<std::uint64_t>(seed));
+    const auto result = Calibrate(truth, seen, options);
     const Eigen::Matrix<double, 9, 1> error =
         (Parameters(result.camera) - Parameters(truth)).cwiseQuotient(result.covariance.diagonal().cwiseSqrt());
     inside += error.head<5>().cwiseAbs().maxCoeff() < 3;
@@ -108,19 +95,17 @@ TEST(CalibrateCamera, RobustLossWithstandsCornersThatAreFarOff) {
   const camera::Camera truth = scene::Lens();
   int inside = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    Recording recording = Record(truth, 15, 0.1, 50 + seed);
+    std::vector<camera::BoardView> views = scene::NoisyViews(truth, 15, 0.1, 50 + seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> far(-8, 8);
     std::vector<std::pair<std::size_t, int>> spoilt;
-    for (std::size_t v = 0; v < recording.views.size(); ++v) {  // one corner in eighteen
+    for (std::size_t v = 0; v < views.size(); ++v) {  // one corner in eighteen
       for (int c = static_cast<int>(v) % 18; c < 54; c += 18) {
-        recording.views[v].pixel[static_cast<std::size_t>(c)] += Eigen::Vector2d{4 + far(random), 4 + far(random)};
+        views[v].pixel[static_cast<std::size_t>(c)] += Eigen::Vector2d{4 + far(random), 4 + far(random)};
         spoilt.emplace_back(v, c);
       }
     }
-    const auto robust = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
-    const auto plain =
-        camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, LeastSquares());
+    const auto robust = Calibrate(truth, views), plain = Calibrate(truth, views, LeastSquares());
     EXPECT_LT(robust.inlier_rms_px, 0.16);  // 0.1 sqrt(2) and a little for outliers that are too small to be seen
     EXPECT_GT(robust.rms_px, 0.5);
     EXPECT_GT(plain.inlier_rms_px, robust.inlier_rms_px);
@@ -137,10 +122,9 @@ TEST(CalibrateCamera, FixedParametersStayFixed) {
   camera::Camera truth = scene::Lens();
   truth.fy = truth.fx;
   truth.distortion[4] = 0;
-  const Recording recording = Record(truth, 12, 0.1, 3);
   camera::CalibrationOptions options;
   options.fix_k3 = options.square_pixels = true;
-  const auto result = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
+  const auto result = Calibrate(truth, scene::NoisyViews(truth, 12, 0.1, 3), options);
   EXPECT_EQ(result.camera.distortion[4], 0);
   EXPECT_DOUBLE_EQ(result.camera.fx, result.camera.fy);
   EXPECT_EQ(result.covariance(8, 8), 0);
@@ -151,29 +135,23 @@ TEST(CalibrateCamera, FixedParametersStayFixed) {
 
 TEST(CalibrateCamera, TooFewOrUselessViewsAreErrors) {
   const camera::Camera truth = scene::Lens();
-  const Recording recording = Record(truth, 2, 0.1, 4);
-  try {
-    camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("the board was given in 2 views; at least 3"));
-  }
+  const auto calibrate = [&] { Calibrate(truth, scene::NoisyViews(truth, 2, 0.1, 4)); };
+  EXPECT_THAT(MessageOf(calibrate), testing::HasSubstr("the board was given in 2 views; at least 3"));
 }
 
 TEST(CalibrationQuality, WarningsNameTheirCause) {
   using testing::Contains;
   using testing::HasSubstr;
   const camera::Camera truth = scene::Lens();
-  const auto warnings = [&](const Recording& recording) {
-    const auto result = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
-    return camera::AssessCalibration(kBoard, recording.views, result).warnings;
+  const auto warnings = [&](const std::vector<camera::BoardView>& views) {
+    return camera::AssessCalibration(kBoard, views, Calibrate(truth, views)).warnings;
   };
-  EXPECT_THAT(warnings(Record(truth, 12, 0.1, 5)), testing::IsEmpty());
-  EXPECT_THAT(warnings(Record(truth, 10, 0.6, 6)), Contains(HasSubstr("RMS")));
-  EXPECT_THAT(warnings(Record(truth, 5, 0.1, 7)), Contains(HasSubstr("only 5 views")));
-  EXPECT_THAT(warnings(Record(truth, 12, 0.1, 8, 5)), Contains(HasSubstr("nearly parallel")));
-  Recording left = Record(truth, 20, 0.1, 9);
-  std::erase_if(left.views, [](const camera::BoardView& v) {
+  EXPECT_THAT(warnings(scene::NoisyViews(truth, 12, 0.1, 5)), testing::IsEmpty());
+  EXPECT_THAT(warnings(scene::NoisyViews(truth, 10, 0.6, 6)), Contains(HasSubstr("RMS")));
+  EXPECT_THAT(warnings(scene::NoisyViews(truth, 5, 0.1, 7)), Contains(HasSubstr("only 5 views")));
+  EXPECT_THAT(warnings(scene::NoisyViews(truth, 12, 0.1, 8, 5)), Contains(HasSubstr("nearly parallel")));
+  std::vector<camera::BoardView> left = scene::NoisyViews(truth, 20, 0.1, 9);
+  std::erase_if(left, [](const camera::BoardView& v) {
     return std::any_of(v.pixel.begin(), v.pixel.end(), [](const Eigen::Vector2d& p) { return p.x() > 800; });
   });
   EXPECT_THAT(warnings(left), Contains(testing::AllOf(HasSubstr("covered"), HasSubstr("at the right"))));
@@ -210,28 +188,30 @@ TEST(CompareCameras, TakesOutARotationAndKeepsTheRest) {
 
 TEST(CrossValidate, HalvesOfGoodViewsAgreeWithinTheNoise) {
   const camera::Camera truth = scene::Lens();
-  const Recording recording = Record(truth, 24, 0.1, 12);
-  const auto difference = camera::CrossValidate(kBoard, recording.views, truth.image_width, truth.image_height);
+  const auto validate = [&](int views, std::uint64_t seed) {
+    return camera::CrossValidate(kBoard, scene::NoisyViews(truth, views, 0.1, seed), truth.image_width,
+                                 truth.image_height);
+  };
+  const auto difference = validate(24, 12);
   ASSERT_TRUE(difference);
   EXPECT_LT(difference->rms_px, 0.3);
   EXPECT_GT(difference->rms_px, 1e-3);
-  EXPECT_FALSE(camera::CrossValidate(kBoard, Record(truth, 5, 0.1, 13).views, truth.image_width, truth.image_height));
+  EXPECT_FALSE(validate(5, 13));
 }
 
 // Really rendered pictures through the detector: the whole way from grey levels to the camera.
 TEST(CalibrateCamera, RenderedPicturesGiveTheCameraBack) {
-  camera::Camera truth{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
+  const camera::Camera& truth = kSmallCamera;
   std::mt19937_64 random(21);
   std::vector<camera::BoardView> views;
   while (views.size() < 12) {
-    const auto pose = scene::RandomPose(truth, kBoard, random, 40);
-    if (!scene::InsidePicture(truth, scene::CornerPixels(truth, kBoard, pose), 25)) continue;
+    const auto pose = scene::PoseWellInside(truth, kBoard, random, 25);
     if (auto view = camera::DetectBoard(scene::Render(truth, kBoard, pose, random, {0.6, 1.5, 4}), kBoard))
       views.push_back(std::move(*view));
   }
   camera::CalibrationOptions options;
   options.fix_k3 = true;
-  const auto result = camera::CalibrateCamera(kBoard, views, truth.image_width, truth.image_height, options);
+  const auto result = Calibrate(truth, views, options);
   EXPECT_LT(result.rms_px, 0.1);
   const Eigen::Matrix<double, 9, 1> error = (Parameters(result.camera) - Parameters(truth)).cwiseAbs();
   for (int i = 0; i < 5; ++i)
@@ -246,21 +226,8 @@ struct RealSet {
 
 class OpenCvRecording : public testing::TestWithParam<RealSet> {
  protected:
-  // Views of one side, with a window or (0) our own choice.
-  static std::vector<camera::BoardView> Views(const std::string& side, int half_window) {
-    std::vector<camera::BoardView> views;
-    for (int i = 1; i <= 14; ++i) {
-      const fs::path file = SharedData() / "opencv_leftright" / fmt::format("{}{:02}.jpg", side, i);
-      if (i == 10) continue;  // not in the set
-      camera::BoardDetectionOptions options;
-      options.half_window_px = half_window;
-      auto view = camera::DetectBoard(video::ReadImage(file, false), kBoard, options);
-      EXPECT_TRUE(view) << file;
-      if (!view) continue;
-      view->name = file.filename();
-      views.push_back(std::move(*view));
-    }
-    return views;
+  void SetUp() override {
+    if (!fs::exists(SharedData() / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
   }
 };
 
@@ -282,9 +249,8 @@ double RmsOfOpenCv(const std::vector<camera::BoardView>& views, int flags) {
 }
 
 TEST_P(OpenCvRecording, LeastSquaresIsOpenCvsMinimumAndThePublishedOne) {
-  if (!fs::exists(SharedData() / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
   const auto [side, half_window, rms, fx] = GetParam();
-  const auto views = Views(side, half_window);
+  const auto views = scene::OpenCvViews(side, half_window);
   ASSERT_EQ(views.size(), 13u);
   const auto result = camera::CalibrateCamera(kBoard, views, 640, 480, LeastSquares());
   const double theirs = RmsOfOpenCv(views, 0);
@@ -305,9 +271,8 @@ INSTANTIATE_TEST_SUITE_P(Sides, OpenCvRecording,
 using OpenCvRecordings = OpenCvRecording;
 
 TEST_F(OpenCvRecordings, OwnWindowsAndRobustLossDoBetter) {
-  if (!fs::exists(SharedData() / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
   for (const char* side : {"left", "right"}) {
-    const auto own = Views(side, 0), wide = Views(side, 11);
+    const auto own = scene::OpenCvViews(side), wide = scene::OpenCvViews(side, 11);
     const auto least = camera::CalibrateCamera(kBoard, own, 640, 480, LeastSquares()),
                robust = camera::CalibrateCamera(kBoard, own, 640, 480);
     EXPECT_LT(least.rms_px, 0.23) << side;
@@ -330,12 +295,11 @@ TEST_F(OpenCvRecordings, OwnWindowsAndRobustLossDoBetter) {
 // left_intrinsics.yml was made with fx = fy and half-window 11: fx 535.916, error 0.3926 (views 320 .. of the same
 // corners).
 TEST_F(OpenCvRecordings, ReproducesThePublishedFile) {
-  const fs::path file = SharedData() / "opencv_leftright/left_intrinsics.yml";
-  if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
   camera::CalibrationOptions options = LeastSquares();
   options.square_pixels = true;
-  const auto result = camera::CalibrateCamera(kBoard, Views("left", 11), 640, 480, options);
-  const camera::Camera published = camera::ReadCameraProfile(file).camera;
+  const auto result = camera::CalibrateCamera(kBoard, scene::OpenCvViews("left", 11), 640, 480, options);
+  const camera::Camera published =
+      camera::ReadCameraProfile(SharedData() / "opencv_leftright/left_intrinsics.yml").camera;
   fmt::print("square pixels: rms {:.4f} fx {:.3f} (published {:.3f}) cx {:.2f} ({:.2f})\n", result.rms_px,
              result.camera.fx, published.fx, result.camera.cx, published.cx);
   EXPECT_NEAR(result.camera.fx, published.fx, 1.5);

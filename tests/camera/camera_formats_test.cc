@@ -57,6 +57,10 @@ constexpr const char* kToml =
     "distortions = [-0.13, 0.03, 0.0004, -0.0003]\nrotation = [0.1, 0.2, 0.3]\ntranslation = [1.0, 2.0, 3.0]\n"
     "fisheye = {}\n";
 
+std::string Ros(const char* model, int count, const char* coefficients) {
+  return fmt::format(fmt::runtime(kRos), model, count, coefficients);
+}
+
 TEST_F(CameraFormats, OfSharedData) {
   const fs::path folder = SharedData() / "odd_files/camera-files";
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
@@ -65,22 +69,17 @@ TEST_F(CameraFormats, OfSharedData) {
 }
 
 TEST_F(CameraFormats, OfRos) {
-  ExpectTheCamera(camera::ReadCameraProfile(
-      Write("a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 5, "-0.13, 0.03, 0.0004, -0.0003, 0.0"))));
-  EXPECT_EQ(
-      camera::ReadCameraProfile(Write("a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 0, ""))).camera.distortion,
-      (std::array<double, 5>{}))
-      << "rectified";
-  const CameraProfile rational = camera::ReadCameraProfile(
-      Write("a.yaml", fmt::format(fmt::runtime(kRos), "rational_polynomial", 8, "1, 2, 3, 4, 5, 6, 7, 8")));
-  EXPECT_EQ(rational.camera.more[2], 8);
-  ExpectTheCamera(camera::ReadCameraProfile(
-      Write("a.yaml", fmt::format(fmt::runtime(kRos), "Plumb Bob", 5, "-0.13, 0.03, 0.0004, -0.0003, 0.0"))));
-  const CameraProfile fisheye = camera::ReadCameraProfile(
-      Write("a.yaml", fmt::format(fmt::runtime(kRos), "equidistant", 4, "0.1, 0.2, 0.3, 0.4")));
-  EXPECT_EQ(fisheye.camera.model, camera::LensModel::kFisheye);
-  EXPECT_EQ(fisheye.camera.distortion[3], 0.4);
-  EXPECT_THAT(Refusal("a.yaml", fmt::format(fmt::runtime(kRos), "division", 1, "0.1")),
+  const auto read = [&](const char* model, int count, const char* coefficients) {
+    return camera::ReadCameraProfile(Write("a.yaml", Ros(model, count, coefficients)));
+  };
+  for (const char* model : {"plumb_bob", "Plumb Bob"})
+    ExpectTheCamera(read(model, 5, "-0.13, 0.03, 0.0004, -0.0003, 0.0"));
+  EXPECT_EQ(read("plumb_bob", 0, "").camera.distortion, (std::array<double, 5>{})) << "rectified";
+  EXPECT_EQ(read("rational_polynomial", 8, "1, 2, 3, 4, 5, 6, 7, 8").camera.more[2], 8);
+  const camera::Camera fisheye = read("equidistant", 4, "0.1, 0.2, 0.3, 0.4").camera;
+  EXPECT_EQ(fisheye.model, camera::LensModel::kFisheye);
+  EXPECT_EQ(fisheye.distortion[3], 0.4);
+  EXPECT_THAT(Refusal("a.yaml", Ros("division", 1, "0.1")),
               AllOf(HasSubstr("'division' has no counterpart"), HasSubstr("lake calibrate")));
   for (const char* keys : {"KD", "kd"})  // messages of ROS 1 and 2
     ExpectTheCamera(camera::ReadCameraProfile(
@@ -174,7 +173,7 @@ TEST_F(CameraFormats, OfVicon) {
 TEST_F(CameraFormats, DamagedFilesNeverCrash) {
   std::mt19937 random(5);
   for (const auto& [name, good] :
-       {std::pair<std::string, std::string>{"a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 5, "1, 2, 3, 4, 0")},
+       {std::pair<std::string, std::string>{"a.yaml", Ros("plumb_bob", 5, "1, 2, 3, 4, 0")},
         {"b.yaml", fmt::format(fmt::runtime(kKalibr), "pinhole", "radtan")},
         {"c.toml", fmt::format(fmt::runtime(kToml), "cam_01", "false")},
         {"d.xcp",
@@ -206,8 +205,7 @@ TEST_F(CameraFormats, OfNoneThatIsKnown) {
 // What lake convert writes of each dialect is the same camera.
 TEST_F(CameraFormats, AreWrittenAsCameraYaml) {
   for (const auto& [name, text] :
-       {std::pair<std::string, std::string>{
-            "a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 4, "-0.13, 0.03, 0.0004, -0.0003")},
+       {std::pair<std::string, std::string>{"a.yaml", Ros("plumb_bob", 4, "-0.13, 0.03, 0.0004, -0.0003")},
         {"b.yaml", fmt::format(fmt::runtime(kKalibr), "pinhole", "radtan")},
         {"c.toml", fmt::format(fmt::runtime(kToml), "cam_01", "false")}}) {
     camera::WriteCameraProfile(folder_ / "camera.yaml", camera::ReadCameraProfile(Write(name, text)));

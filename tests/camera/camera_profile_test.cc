@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
@@ -68,13 +66,6 @@ TEST_F(CameraProfileTest, EveryValueComesBackToTheLastBit) {
   EXPECT_EQ(read.uncertainty->distortion_sd, profile.uncertainty->distortion_sd);
   EXPECT_EQ(read.plane_uncertainty->rotation_sd_rad, profile.plane_uncertainty->rotation_sd_rad);
   EXPECT_EQ(read.plane_uncertainty->translation_sd_mm, profile.plane_uncertainty->translation_sd_mm);
-}
-
-TEST_F(CameraProfileTest, OnlyTheFirstFourKeysAreNeeded) {
-  const camera::CameraProfile profile = camera::ReadCameraProfile(File(kHead + kSize + kMatrix + kDistortion));
-  EXPECT_EQ(profile.camera.fy, 1090);
-  EXPECT_EQ(profile.camera.distortion[4], -0.012);
-  EXPECT_FALSE(profile.camera_from_plane || profile.uncertainty || profile.plane_uncertainty);
 }
 
 TEST_F(CameraProfileTest, FourCoefficientsAndTrailingZerosOfLargerModelsLoad) {

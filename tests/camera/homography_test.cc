@@ -1,20 +1,16 @@
+// Of people's films, whose corners are known, the angles it gives are held against a sensor's:
+// tests/gait/sts_imu_test.cc.
 #include "lake/camera/homography.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <random>
-#include <sstream>
 #include <vector>
 
 #include "lake/core/error.h"
 #include "message_of.h"
-#include "places.h"
 
 namespace lake {
 namespace {
@@ -105,54 +101,6 @@ TEST(PlaneHomography, TellsTheHorizon) {
   EXPECT_THROW(camera::ApplyHomography(fit, 1.001 * at_horizon), Error);
   EXPECT_NO_THROW(camera::ApplyHomography(fit, 0.999 * at_horizon));
 }
-
-// Numbers of a European table: tabs, decimal comma.
-std::vector<std::vector<double>> ReadTable(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::vector<std::vector<double>> rows;
-  for (std::string line; std::getline(file, line);) {
-    for (char& c : line) c = c == ',' ? '.' : c;
-    std::istringstream words(line);
-    std::vector<double> row;
-    for (double value; words >> value;) row.push_back(value);
-    if (row.size() == 4) rows.push_back(row);
-  }
-  return rows;
-}
-
-// A real recording: knee and thigh marker on a person who stands up and sits down in the calibrated plane (0.59 m ×
-// 0.74 m).
-class SitToStandVideo : public testing::TestWithParam<std::string> {};
-
-TEST_P(SitToStandVideo, MapsTheMarkersToALegOfHumanSize) {
-  const auto folder = SharedData() / "sts_markers_imu/data/video" / GetParam();
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
-  const auto corners = ReadTable(folder / "calib.txt"), knee = ReadTable(folder / "knee.txt"),
-             thigh = ReadTable(folder / "thigh.txt");
-  ASSERT_EQ(corners.size(), 4u);
-  Points points;
-  for (std::size_t i = 0; i < 4; ++i) points.push_back({{corners[i][2], corners[i][3]}, kCorners[i]});
-  const camera::HomographyFit fit = camera::PlaneHomography(points);
-  for (const auto& p : points) EXPECT_LT((camera::ApplyHomography(fit, p.pixel) - p.point_in_plane).norm(), 1e-6);
-
-  std::map<double, Eigen::Vector2d> knee_of_frame;  // the trackers lost frames independently
-  for (const auto& row : knee) knee_of_frame[row[0]] = {row[2], row[3]};
-  std::vector<double> length_mm;
-  for (const auto& row : thigh)
-    if (const auto found = knee_of_frame.find(row[0]); found != knee_of_frame.end())
-      length_mm.push_back(
-          (camera::ApplyHomography(fit, {row[2], row[3]}) - camera::ApplyHomography(fit, found->second)).norm());
-  ASSERT_GT(length_mm.size(), 2500u);
-  std::sort(length_mm.begin(), length_mm.end());
-  const double median = length_mm[length_mm.size() / 2];
-  // Two markers on one thigh; skin and out-of-plane movement change their distance by a few per cent.
-  EXPECT_GT(median, 100);
-  EXPECT_LT(median, 500);
-  EXPECT_LT(length_mm[length_mm.size() * 95 / 100] - length_mm[length_mm.size() * 5 / 100], 0.2 * median);
-  RecordProperty("median_mm", std::to_string(median));
-}
-
-INSTANTIATE_TEST_SUITE_P(People, SitToStandVideo, testing::Values("participant1", "participant2"));
 
 }  // namespace
 }  // namespace lake

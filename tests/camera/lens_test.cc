@@ -1,5 +1,4 @@
 // The lens models beyond k1 k2 p1 p2 k3, against OpenCV's own functions; cameras at another size; readout.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,7 +1,6 @@
 #include "lake/camera/plane_fit.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

@@ -1,12 +1,10 @@
 // Views of one camera and of two.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "board_scene.h"
 #include "lake/camera/calibration_quality.h"
-#include "lake/video/image.h"
 #include "places.h"
 
 namespace lake {
@@ -26,8 +24,7 @@ std::vector<BoardView> Views(const camera::Camera& camera, char letter, int coun
   std::mt19937_64 random(seed);
   std::vector<BoardView> views;
   while (std::ssize(views) < count) {
-    const auto pose = scene::RandomPose(camera, kBoard, random, 40);
-    if (!scene::InsidePicture(camera, scene::CornerPixels(camera, kBoard, pose), 25)) continue;
+    const auto pose = scene::PoseWellInside(camera, kBoard, random, 25);
     views.push_back(scene::NoisyView(camera, kBoard, pose, 0.1, random));
     views.back().name = fmt::format("{}{:02}.png", letter, views.size());
   }
@@ -59,24 +56,12 @@ class OpenCvSides : public testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(folder_)) GTEST_SKIP() << folder_ << " is absent";
-    left_ = Side("left");
-    right_ = Side("right");
+    left_ = scene::OpenCvViews("left");
+    right_ = scene::OpenCvViews("right");
   }
 
   const std::filesystem::path folder_ = SharedData() / "opencv_leftright";
   std::vector<BoardView> left_, right_;
-
- private:
-  std::vector<BoardView> Side(const std::string& side) const {
-    std::vector<BoardView> views;
-    for (int i = 1; i <= 14; ++i) {
-      const std::string name = fmt::format("{}{:02}.jpg", side, i);
-      if (i == 10) continue;  // not in the set
-      views.push_back(camera::DetectBoard(video::ReadImage(folder_ / name, false), kBoard).value());
-      views.back().name = name;
-    }
-    return views;
-  }
 };
 
 // One model, 5 px of fx and 15 px of cx apart: together fx ± 0.33 px, as if all were well.
