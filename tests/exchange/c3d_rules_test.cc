@@ -269,24 +269,6 @@ TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {
   EXPECT_THAT(read.warnings[0], testing::HasSubstr("EVENT:USED is 9, but there are 3 times"));
 }
 
-// What the parameters leave out, or state so that it cannot be, the header states.
-TEST(C3dRules, TheHeaderStandsInForItsParameters) {
-  const TemporaryFolder folder;
-  const exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 20, 3, 5);
-  exchange::WriteC3d(folder / "a.c3d", points);
-  const std::string good = ReadTextFile(folder / "a.c3d");
-  for (const char* name : {"\4\1USED", "\5\1SCALE", "\4\1RATE", "\12\1DATA_START"}) {
-    std::string without = good;
-    without[without.find(name) + 3] = 'X';
-    ExpectSame(points, exchange::ReadC3d(WriteFile(folder / "b.c3d", without)), 1e-3);
-    std::string zero = good;
-    const std::size_t at = zero.find(name) + std::strlen(name) + 4;  // behind offset, type and number of dimensions
-    zero.replace(at, 2, 2, '\0');
-    if (zero[at - 2] == 4) zero.replace(at, 4, 4, '\0');
-    ExpectSame(points, exchange::ReadC3d(WriteFile(folder / "b.c3d", zero)), 1e-3);
-  }
-}
-
 // The last entry points to what lies behind the section, whose length stands at its beginning.
 TEST(C3dRules, ParametersEndWithTheirSection) {
   const TemporaryFolder folder;
@@ -304,28 +286,18 @@ TEST(C3dRules, ParametersEndWithTheirSection) {
   EXPECT_TRUE(read.warnings.empty());
 }
 
-// 16 bits hold a count up to 65535; longer files have the rest, or the count wraps.
+// 16 bits hold a count up to 65535; the parameters that say it in 32 bits may be missing.
 TEST(C3dRules, MoreFramesThanSixteenBitsCountAreAllRead) {
   const TemporaryFolder folder;
-  constexpr std::size_t kFrames = 70'000;
-  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, kFrames, 1, 0);
+  const exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 70'000, 1, 0);
   exchange::WriteC3d(folder / "a.c3d", points);
-  const std::string good = ReadTextFile(folder / "a.c3d");
-  EXPECT_EQ(exchange::ReadC3d(folder / "a.c3d").time_s.size(), kFrames);
-  std::string header = good;  // without the parameters that say it in 32 bits
+  ExpectSame(points, exchange::ReadC3d(folder / "a.c3d"), 1e-3);
+  std::string header = ReadTextFile(folder / "a.c3d");
   for (const char* name : {"ACTUAL_START_FIELD", "ACTUAL_END_FIELD"}) header[header.find(name)] = 'X';
-  const auto read = [&](const std::string& bytes) { return exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes)); };
-  const exchange::PointRecording cut = read(header);
-  ASSERT_EQ(cut.time_s.size(), kFrames);
-  EXPECT_LT((cut.points[0].positions.back() - points.points[0].positions.back()).norm(), 1e-3);
+  const exchange::PointRecording cut = exchange::ReadC3d(WriteFile(folder / "b.c3d", header));
+  ExpectSame(points, cut, 1e-3);
   EXPECT_THAT(cut.warnings, testing::ElementsAre(testing::HasSubstr(
                                 "frames: 65535 by the header, 65535 by POINT:FRAMES, 70000 in the file")));
-  std::string wrapped = header;
-  for (const std::size_t at : {std::size_t{8}, wrapped.find("\6\1FRAMES") + 12}) {
-    wrapped[at] = static_cast<char>(kFrames % 65536 & 0xFF);
-    wrapped[at + 1] = static_cast<char>(kFrames % 65536 >> 8);
-  }
-  EXPECT_EQ(read(wrapped).time_s.size(), kFrames);
 }
 
 TEST(C3dRules, HeadersThatLieAreRefusedBeforeAnythingIsAllocated) {

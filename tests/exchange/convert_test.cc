@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "lake/core/atomic_file.h"
 #include "lake/exchange/c3d.h"

@@ -1,6 +1,5 @@
 // Every reader, on files that are damaged: an answer or an Error of one line, never anything else. The same for longer,
 // and led by coverage, in tests/fuzz.
-#include <gmock/gmock.h>
 
 #include <map>
 #include <random>

@@ -192,11 +192,6 @@ TEST_F(OddFiles, SleapAndDeepLabCutOfSeveralAnimals) {
   EXPECT_EQ(one.time_s, (std::vector<double>{0, 0.1, 0.2}));
   EXPECT_FALSE(one.points[0].positions[1].allFinite());
   EXPECT_EQ(one.points[0].positions[2], Eigen::Vector3d(11, 21, 0));
-  const PointRecording two = Read("a.csv",
-                                  "track,frame_idx,instance.score,knee.x,knee.y,knee.score\n"
-                                  "A,0,0.9,1,2,0.8\nB,0,0.9,3,4,0.7\n",
-                                  {.rate_hz = 10});
-  EXPECT_EQ(two.Find("B_knee")->positions[0], Eigen::Vector3d(3, 4, 0));
   const PointRecording animals = Read("b.csv",
                                       "scorer,S,S,S,S,S,S\nindividuals,A,A,A,B,B,B\n"
                                       "bodyparts,knee,knee,knee,knee,knee,knee\n"

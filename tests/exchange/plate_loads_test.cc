@@ -1,6 +1,5 @@
 // When a foot is on a force plate: of drawn forces with an offset and noise, and of a recording.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>

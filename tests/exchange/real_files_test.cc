@@ -1,6 +1,7 @@
 // Every file of these kinds among the real recordings, against what their README says.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lake/exchange/c3d.h"
@@ -90,6 +91,7 @@ TEST(OpensimWalk, TrcFilesAreEveryTenthFrameOfTheC3dFiles) {
        {std::pair{"std_walking2_markers.trc", "walking2.c3d"}, {"std_walking5_markers.trc", "walking5.c3d"}}) {
     const exchange::PointRecording trc = exchange::ReadPoints(folder / trc_name),
                                    c3d = exchange::ReadC3d(folder / c3d_name);
+    EXPECT_EQ(c3d.up_axis, 'z');
     int compared = 0;
     for (std::size_t i = 0; i + 1 < trc.time_s.size(); ++i) {
       ASSERT_NEAR(c3d.time_s.at(10 * i), trc.time_s[i], 1e-9);
@@ -121,6 +123,11 @@ TEST(OpensimWalk, InverseKinematicsTablesReadBack) {
     EXPECT_EQ(read.rows, table.rows);
     EXPECT_EQ(read.time_s, table.time_s);
   }
+  const exchange::MotTable table = exchange::ReadMot(folder / "subject01_walk1_ik.mot");
+  std::vector<double> knee_deg;
+  for (const std::vector<double>& row : table.rows) knee_deg.push_back(row[table.Column("knee_angle_r")]);
+  EXPECT_NEAR(std::ranges::min(knee_deg), -69.7, 0.05);  // flexion negative
+  EXPECT_NEAR(std::ranges::max(knee_deg), 1.05, 0.05);
 }
 
 // Tracker's project through our own writer: positions, times, axes and scale stay.

@@ -116,23 +116,17 @@ TEST(Trial, NamesAreMappedAndMiddlesTaken) {
   ASSERT_EQ(trial.recording.markers.size(), 3u);
   EXPECT_NEAR(trial.recording.Find("hip")->samples[0].position.y(), 90 + 430 + 410 + 10, 1e-9);
   EXPECT_EQ(trial.leg, motion::Side::kRight);
-  try {
-    exchange::ReadTrial(folder / "a.trc", {NameMap("ankle=LANK"), {}, "x"});
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(),
-                testing::AllOf(testing::HasSubstr("'LANK' (for ankle)"), testing::HasSubstr("RANK, RKNE, RHIP")));
-  }
+  EXPECT_THAT(MessageOf([&] {
+                exchange::ReadTrial(folder / "a.trc", {NameMap("ankle=LANK"), {}, "x"});
+              }),
+              testing::AllOf(testing::HasSubstr("'LANK' (for ankle)"), testing::HasSubstr("RANK, RKNE, RHIP")));
   EXPECT_THROW(NameMap("ankle"), UsageError);
   EXPECT_THROW(NameMap("ankle=A,ankle=B"), UsageError);
 }
 
 TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
   const TemporaryFolder folder;
-  motion::MarkerRecording markers;
-  markers.unit = motion::LengthUnit::kMm;
-  markers.frame = {0, 1};
-  markers.time_s = {0, 0.02};
+  motion::MarkerRecording markers{motion::LengthUnit::kMm, {0, 1}, {0, 0.02}, {}};
   markers.markers = {
       {"k", {{{1, 2}, 0.3, motion::SampleStatus::kDetected}, {{4, 5}, 0.6, motion::SampleStatus::kFilled}}}};
   fs::create_directory(folder / "trial");
@@ -146,10 +140,7 @@ TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
 
 TEST(Trial, MarkersOfOwnTablesAreExchangedReplacedAndHalvedByTheirNames) {
   const TemporaryFolder folder;
-  motion::MarkerRecording markers;
-  markers.unit = motion::LengthUnit::kMm;
-  markers.frame = {0, 1};
-  markers.time_s = {0, 0.02};
+  motion::MarkerRecording markers{motion::LengthUnit::kMm, {0, 1}, {0, 0.02}, {}};
   const auto seen = motion::SampleStatus::kDetected;
   markers.markers = {{"knee", {{{1, 2}, 0.3, seen}, {{1, 2}, 0.3, seen}}},
                      {"hip", {{{5, 8}, 0.4, seen}, {}}},
@@ -215,7 +206,7 @@ TEST(Trial, ALegThatStandsStillHasNoSagittalPlane) {
     std::fill(point.positions.begin(), point.positions.end(), Eigen::Vector3d(point.positions[20]));
   exchange::WriteC3d(folder / "still.c3d", still);
   exchange::TrialOptions options;
-  options.names = {{"ankle", "RANK"}, {"knee", "RKNE"}, {"hip", "RHIP"}};
+  options.names = NameMap("ankle=RANK,knee=RKNE,hip=RHIP");
   EXPECT_THAT(MessageOf([&] { exchange::ReadTrial(folder / "still.c3d", options); }),
               testing::HasSubstr("still.c3d: the leg does not move; give the sagittal plane with --forward"));
   options.forward = "+x";
@@ -269,12 +260,9 @@ TEST(Trial, FormatsRefuseWhatTheyCannotHold) {
               testing::HasSubstr("no fit's estimates (--smoothed)"));
 }
 
-TEST(Trial, UnknownAndAbsentFilesAreErrors) {
+TEST(Trial, AbsentFilesAreErrors) {
   const TemporaryFolder folder;
-  EXPECT_THROW(exchange::ReadTrial(folder / "none.trc"), Error);
-  EXPECT_THROW(exchange::ReadTrial(folder / "none.csv"), Error);
-  std::ofstream(folder / "a.xyz") << "1";
-  EXPECT_THROW(exchange::ReadTrial(folder / "a.xyz"), Error);
+  for (const char* name : {"none.trc", "none.csv"}) EXPECT_THROW(exchange::ReadTrial(folder / name), Error) << name;
 }
 
 TEST(Trial, ExportsOfEveryFormatReadBack) {
