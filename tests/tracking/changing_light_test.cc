@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <random>
 #include <vector>
 

@@ -1,9 +1,6 @@
 #include "lake/tracking/marker_physics.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "lake/core/error.h"
 

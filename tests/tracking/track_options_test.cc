@@ -1,6 +1,5 @@
 // What lake-track can be told that contradicts itself, refused before a video is opened.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "lake/tracking/track_markers.h"
 

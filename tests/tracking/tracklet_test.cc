@@ -38,18 +38,34 @@ class Scripted : public tracking::MarkerDetector {
   Script script_;
 };
 
-// A gap in the stamps, s, may stand before a frame.
-std::vector<tracking::Tracklet> Follow(const Scripted::Script& script, int frames, double rate_hz, int gap_before = 0,
-                                       double gap_s = 0) {
-  Scripted detector(script);
-  tracking::TrackletBuilder builder(detector, {});
-  for (int i = 0; i < frames; ++i) {
+// A gap in the stamps, s, may stand before a frame; of some tests the frames have pictures.
+struct Frames {
+  int count;
+  double rate_hz;
+  int gap_before = 0;
+  double gap_s = 0;
+  std::function<cv::Mat(int frame)> picture = {};
+};
+
+void Show(const Frames& frames, tracking::TrackletBuilder& builder) {
+  for (int i = 0; i < frames.count; ++i) {
     video::VideoFrame frame;
     frame.index = i;
-    frame.time_s = i / rate_hz + (i >= gap_before ? gap_s : 0);
+    frame.time_s = i / frames.rate_hz + (i >= frames.gap_before ? frames.gap_s : 0);
+    if (frames.picture) frame.luma = frames.picture(i);
     builder.Add(frame);
   }
+}
+
+std::vector<tracking::Tracklet> Follow(const Scripted::Script& script, const Frames& frames) {
+  Scripted detector(script);
+  tracking::TrackletBuilder builder(detector, {});
+  Show(frames, builder);
   return builder.Finish();
+}
+
+std::vector<tracking::Tracklet> Follow(const Scripted::Script& script, int frames, double rate_hz) {
+  return Follow(script, {frames, rate_hz});
 }
 
 // A streak is seen only where it is expected; from a frame on, everywhere.
@@ -80,16 +96,10 @@ class LateToBeFound : public tracking::MarkerDetector {
 };
 
 std::vector<tracking::Tracklet> FollowBack(LateToBeFound detector, int frames, double look_back_s) {
-  constexpr double kRateHz = 30;
   tracking::TrackletOptions options;
   options.look_back_s = look_back_s;
   tracking::TrackletBuilder builder(detector, options);
-  for (int i = 0; i < frames; ++i) {
-    video::VideoFrame frame;
-    frame.index = i;
-    frame.time_s = i / kRateHz;
-    builder.Add(frame);
-  }
+  Show({frames, 30}, builder);
   return builder.Finish();
 }
 
@@ -204,14 +214,8 @@ cv::Mat PictureOf(const std::vector<tracking::MarkerDetection>& discs) {
   return luma;
 }
 
-void Show(const Scripted::Script& discs, int frames, double rate_hz, tracking::TrackletBuilder& builder) {
-  for (int i = 0; i < frames; ++i) {
-    video::VideoFrame frame;
-    frame.index = i;
-    frame.time_s = i / rate_hz;
-    frame.luma = PictureOf(discs(i));
-    builder.Add(frame);
-  }
+Frames Pictured(const Scripted::Script& discs, int count, double rate_hz) {
+  return {.count = count, .rate_hz = rate_hz, .picture = [=](int frame) { return PictureOf(discs(frame)); }};
 }
 
 // Each picture is shown twice, and one of the three discs is not found in a repetition: two of them then do not tell
@@ -219,20 +223,18 @@ void Show(const Scripted::Script& discs, int frames, double rate_hz, tracking::T
 // measurements had one time, and the paths led to infinity.
 TEST(Tracklet, TimeThatIsNotTakenOffGoesOn) {
   constexpr int kNotFound = 41;
-  constexpr double kRate_hz = 60;
   const auto shown = [](int frame) {
     const double way = 4.0 * (frame / 2);
     return std::vector{Disc({40 + way, 60}, kRadius_px), Disc({200, 160}, kRadius_px),
                        Disc({40 + way, 110}, kRadius_px)};
   };
-  Scripted detector([&](int frame) {
-    std::vector<tracking::MarkerDetection> found = shown(frame);
-    if (frame == kNotFound) found.pop_back();
-    return found;
-  });
-  tracking::TrackletBuilder builder(detector, {});
-  Show(shown, 80, kRate_hz, builder);
-  const std::vector<tracking::Tracklet> tracklets = builder.Finish();
+  const std::vector<tracking::Tracklet> tracklets = Follow(
+      [&](int frame) {
+        std::vector<tracking::MarkerDetection> found = shown(frame);
+        if (frame == kNotFound) found.pop_back();
+        return found;
+      },
+      Pictured(shown, 80, 60));
   EXPECT_EQ(tracklets.size(), 3u);
   for (const tracking::Tracklet& tracklet : tracklets)
     for (std::size_t i = 1; i < tracklet.samples.size(); ++i)
@@ -254,7 +256,7 @@ TEST(Tracklet, ASlowStartIsNoStandingPicture) {
   };
   Scripted detector(discs);
   tracking::TrackletBuilder builder(detector, {});
-  Show(discs, 75, kRate_hz, builder);
+  Show(Pictured(discs, 75, kRate_hz), builder);
   for (const std::int64_t frame : builder.RepeatedFrames()) EXPECT_LT(frame, 34);
   const std::vector<tracking::Tracklet> tracklets = builder.Finish();
   EXPECT_EQ(tracklets.size(), 2u);
@@ -270,10 +272,7 @@ TEST(Tracklet, WhatRestsIsNotTakenForWhatBeginsWhereItLed) {
     if (frame >= 24) seen.push_back(Disc({160, 74}, kRadius_px));
     return seen;
   };
-  Scripted detector(discs);
-  tracking::TrackletBuilder builder(detector, {});
-  Show(discs, 50, 25, builder);
-  const std::vector<tracking::Tracklet> tracklets = builder.Finish();
+  const std::vector<tracking::Tracklet> tracklets = Follow(discs, Pictured(discs, 50, 25));
   EXPECT_EQ(tracklets.size(), 3u);
   for (const tracking::Tracklet& tracklet : tracklets)
     for (const tracking::TrackletSample& sample : tracklet.samples)
@@ -366,10 +365,69 @@ TEST(Tracklet, NothingIsFollowedToAnotherMarkerBehindAGap) {
         const Eigen::Vector2d turned(frame < kGapBefore ? 0 : 90 + kAhead_px, 0);
         return std::vector{Disc(hip(frame) + turned, kRadius_px), Disc(others(frame) + turned, kRadius_px)};
       },
-      120, 30, kGapBefore, 0.3);
+      {120, 30, kGapBefore, 0.3});
   EXPECT_EQ(tracklets.size(), 4u);
   for (const tracking::Tracklet& tracklet : tracklets)
     EXPECT_TRUE(tracklet.LastFrame() < kGapBefore || tracklet.FirstFrame() >= kGapBefore) << tracklet.FirstFrame();
+}
+
+TEST(Tracklet, CrossingMarkersKeepTheirIdentity) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    // They pass each other at 1 px, moving 5 px a frame to the sides.
+    const auto a = [&](double t) { return Eigen::Vector2d(100 + 2.5 * t, 200); };
+    const auto b = [&](double t) { return Eigen::Vector2d(352 - 2.5 * t + 0.1 * seed, 201); };
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, 0.05);
+    const std::vector<tracking::Tracklet> tracklets = Follow(
+        [&](int f) {
+          std::vector<tracking::MarkerDetection> seen;
+          for (const Eigen::Vector2d& place : {a(f), b(f)})
+            seen.push_back(Disc(place + Eigen::Vector2d{noise(random), noise(random)}, 4));
+          std::shuffle(seen.begin(), seen.end(), random);
+          return seen;
+        },
+        100, 60);
+    ASSERT_EQ(tracklets.size(), 2u) << "seed " << seed;
+    for (const tracking::Tracklet& tracklet : tracklets) {
+      ASSERT_EQ(tracklet.samples.size(), 100u);
+      const bool is_a = tracklet.samples.front().position.x() < 200;
+      for (const tracking::TrackletSample& sample : tracklet.samples) {
+        const auto f = static_cast<double>(sample.frame);
+        ASSERT_LE((sample.position - (is_a ? a(f) : b(f))).norm(), 0.5) << "seed " << seed << " frame " << f;
+      }
+    }
+  }
+}
+
+// Turned about at almost 1 g, at the very time of a frame: the places before and after are the same, yet nothing rests.
+TEST(Tracklet, QuickTurnsAreFollowed) {
+  const std::vector<tracking::Tracklet> tracklets = Follow(
+      [](int f) {
+        return std::vector{Disc({200 + 41 * std::cos(M_PI / 9 * f), 50}, 4)};
+      },
+      90, 30);
+  ASSERT_EQ(tracklets.size(), 1u);
+  EXPECT_EQ(tracklets[0].samples.size(), 90u);
+}
+
+TEST(Tracklet, ShortGapsAreBridgedAndLongOnesEndATracklet) {
+  const auto seen_but = [](int first, int last) {
+    return Follow(
+        [=](int f) {
+          std::vector<tracking::MarkerDetection> seen;
+          if (f < first || f > last) seen.push_back(Disc({100 + 1.5 * f, 50}, 4));
+          return seen;
+        },
+        100, 60);
+  };
+  const std::vector<tracking::Tracklet> bridged = seen_but(40, 43), ended = seen_but(40, 69);
+  ASSERT_EQ(bridged.size(), 1u);
+  EXPECT_EQ(bridged[0].samples.size(), 96u);
+  EXPECT_EQ(bridged[0].SampleIn(41), nullptr);
+  ASSERT_NE(bridged[0].SampleIn(44), nullptr);
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].LastFrame(), 39);
+  EXPECT_EQ(ended[1].FirstFrame(), 70);
 }
 
 }  // namespace

@@ -1,263 +1,19 @@
-// The parts of tracking, each against what it must find: assignment, association, search, noise, sigma.
-#include <gmock/gmock.h>
+#include "lake/tracking/sigma_calibration.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <array>
-#include <functional>
+#include <cmath>
 #include <numbers>
-#include <numeric>
 #include <random>
 
 #include "lake/core/statistics.h"
-#include "lake/tracking/assignment.h"
-#include "lake/tracking/blob_search.h"
-#include "lake/tracking/marker_detector.h"
-#include "lake/tracking/noise_estimate.h"
-#include "lake/tracking/sigma_calibration.h"
-#include "lake/tracking/tracklet.h"
-#include "tracking/marker_scene.h"
 
 namespace lake {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kForbidden = 1.0;
-
-// Each row with a column below `forbidden`, or none at the price of `forbidden`.
-double TotalCost(const Eigen::MatrixXd& cost, const std::vector<int>& columns) {
-  double total = 0;
-  for (std::size_t row = 0; row < columns.size(); ++row)
-    total += columns[row] < 0 ? kForbidden : cost(static_cast<Eigen::Index>(row), columns[row]);
-  return total;
-}
-
-double LeastCost(const Eigen::MatrixXd& cost, Eigen::Index row, unsigned taken) {
-  if (row == cost.rows()) return 0;
-  double least = kForbidden + LeastCost(cost, row + 1, taken);
-  for (Eigen::Index column = 0; column < cost.cols(); ++column)
-    if (!(taken >> column & 1) && cost(row, column) < kForbidden)
-      least = std::min(least, cost(row, column) + LeastCost(cost, row + 1, taken | 1u << column));
-  return least;
-}
-
-TEST(Assignment, IsTheCheapestOfAll) {
-  std::mt19937 random(5);
-  std::uniform_int_distribution<int> side(0, 6);
-  std::uniform_real_distribution<double> level(0, 1.5);  // a third is forbidden
-  for (int trial = 0; trial < 400; ++trial) {
-    Eigen::MatrixXd cost(side(random), side(random));
-    for (Eigen::Index i = 0; i < cost.size(); ++i) cost.data()[i] = level(random);
-    const std::vector<int> columns = tracking::AssignRows(cost, kForbidden);
-    ASSERT_EQ(columns.size(), static_cast<std::size_t>(cost.rows()));
-    unsigned taken = 0;
-    for (std::size_t row = 0; row < columns.size(); ++row) {
-      if (columns[row] < 0) continue;
-      ASSERT_LT(columns[row], cost.cols());
-      ASSERT_FALSE(taken >> columns[row] & 1) << "a column twice";
-      taken |= 1u << columns[row];
-      ASSERT_LT(cost(static_cast<Eigen::Index>(row), columns[row]), kForbidden);
-    }
-    ASSERT_NEAR(TotalCost(cost, columns), LeastCost(cost, 0, 0), 1e-12) << cost;
-  }
-}
-
-// Sees points at given places, all of the same look, in any order.
-class PointDetector : public tracking::MarkerDetector {
- public:
-  PointDetector(std::function<std::vector<Vector2d>(std::int64_t)> places, unsigned seed)
-      : places_(std::move(places)), random_(seed) {}
-
-  std::vector<tracking::MarkerDetection> Detect(const video::VideoFrame& frame,
-                                                std::span<const tracking::MarkerPrediction>, tracking::Look) override {
-    std::vector<tracking::MarkerDetection> detections;
-    for (const Vector2d& place : places_(frame.index)) {
-      tracking::MarkerDetection detection;
-      detection.position = place + Vector2d{noise_(random_), noise_(random_)};
-      detection.sigma_px = 0.05;
-      detection.appearance = tracking::DiscBlob(detection.position, 4);
-      detection.appearance.amplitude = 150;
-      detections.push_back(detection);
-    }
-    std::shuffle(detections.begin(), detections.end(), random_);
-    return detections;
-  }
-
- private:
-  std::function<std::vector<Vector2d>(std::int64_t)> places_;
-  std::mt19937 random_;
-  std::normal_distribution<double> noise_{0, 0.05};
-};
-
-std::vector<tracking::Tracklet> Follow(tracking::MarkerDetector& detector, int frames, double rate_hz = 60) {
-  tracking::TrackletBuilder builder(detector, {});
-  for (int i = 0; i < frames; ++i) {
-    video::VideoFrame frame;
-    frame.index = i, frame.time_s = i / rate_hz;
-    builder.Add(frame);
-  }
-  return builder.Finish();
-}
-
-TEST(TrackletBuilder, CrossingMarkersKeepTheirIdentity) {
-  for (unsigned seed = 0; seed < 20; ++seed) {
-    // They pass each other at 1 px, moving 5 px a frame to the sides.
-    const auto a = [&](double t) { return Vector2d(100 + 2.5 * t, 200); };
-    const auto b = [&](double t) { return Vector2d(352 - 2.5 * t + 0.1 * seed, 201); };
-    PointDetector detector(
-        [&](std::int64_t f) {
-          return std::vector{a(static_cast<double>(f)), b(static_cast<double>(f))};
-        },
-        seed);
-    const std::vector<tracking::Tracklet> tracklets = Follow(detector, 100);
-    ASSERT_EQ(tracklets.size(), 2u) << "seed " << seed;
-    for (const tracking::Tracklet& tracklet : tracklets) {
-      ASSERT_EQ(tracklet.samples.size(), 100u);
-      const bool is_a = tracklet.samples.front().position.x() < 200;
-      for (const tracking::TrackletSample& sample : tracklet.samples) {
-        const auto f = static_cast<double>(sample.frame);
-        ASSERT_LE((sample.position - (is_a ? a(f) : b(f))).norm(), 0.5) << "seed " << seed << " frame " << f;
-      }
-    }
-  }
-}
-
-// Turned about at almost 1 g, at the very time of a frame: the places before and after are the same, yet nothing rests.
-TEST(TrackletBuilder, QuickTurnsAreFollowed) {
-  PointDetector detector(
-      [](std::int64_t f) { return std::vector{Vector2d(200 + 41 * std::cos(M_PI / 9 * static_cast<double>(f)), 50)}; },
-      1);
-  const std::vector<tracking::Tracklet> tracklets = Follow(detector, 90, 30);
-  ASSERT_EQ(tracklets.size(), 1u);
-  EXPECT_EQ(tracklets[0].samples.size(), 90u);
-}
-
-TEST(TrackletBuilder, ShortGapsAreBridgedAndLongOnesEndATracklet) {
-  const auto path = [](std::int64_t f) { return Vector2d(100 + 1.5 * static_cast<double>(f), 50); };
-  const auto seen_but = [&](std::int64_t first, std::int64_t last) {
-    return [=](std::int64_t f) { return f >= first && f <= last ? std::vector<Vector2d>{} : std::vector{path(f)}; };
-  };
-  PointDetector short_gap(seen_but(40, 43), 1), long_gap(seen_but(40, 69), 1);
-  const std::vector<tracking::Tracklet> bridged = Follow(short_gap, 100), ended = Follow(long_gap, 100);
-  ASSERT_EQ(bridged.size(), 1u);
-  EXPECT_EQ(bridged[0].samples.size(), 96u);
-  EXPECT_EQ(bridged[0].SampleIn(41), nullptr);
-  ASSERT_NE(bridged[0].SampleIn(44), nullptr);
-  ASSERT_EQ(ended.size(), 2u);
-  EXPECT_EQ(ended[0].LastFrame(), 39);
-  EXPECT_EQ(ended[1].FirstFrame(), 70);
-}
-
-TEST(BlobSearch, FindsDiscsOfAllSizesAndNothingElse) {
-  const cv::Size size(320, 240);
-  const SceneNoise noise;
-  std::mt19937 random(17);
-  std::uniform_real_distribution<double> fraction(-0.5, 0.5);
-  for (const double radius : {2.0, 3.0, 4.5, 6.0, 9.0, 13.0, 20.0, 30.0}) {
-    SceneMarker marker;
-    marker.center = Vector2d(170, 120) + Vector2d{fraction(random), fraction(random)};
-    marker.radius_px = radius;
-    const cv::Mat grey = AddNoise(DrawMarkers(size, {marker}, 0.7, 40), noise, random);
-    const auto found = tracking::FindBlobs(grey, {{0, 0}, size}, {});
-    ASSERT_EQ(found.size(), 1u) << "radius " << radius;
-    EXPECT_LE((found[0].position - marker.center).norm(), std::max(1.5, 0.5 * radius)) << "radius " << radius;
-    EXPECT_LE(std::abs(std::log(found[0].radius_px / radius)), std::log(1.6))
-        << "radius " << radius << ": " << found[0].radius_px;
-  }
-}
-
-// What the function gives of the distance from a line through the picture's middle at this angle.
-template <typename Level>
-cv::Mat AcrossALine(double angle_deg, Level level) {
-  cv::Mat picture(240, 320, CV_64F);
-  const double a = angle_deg * CV_PI / 180;
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x)
-      picture.at<double>(y, x) = level((x - 160) * std::sin(a) - (y - 120) * std::cos(a));
-  return picture;
-}
-
-std::size_t BlobsIn(const cv::Mat& levels, std::mt19937& random) {
-  return tracking::FindBlobs(AddNoise(levels, SceneNoise{}, random), {{0, 0}, levels.size()}, {}).size();
-}
-
-constexpr double kAngles[] = {0, 20, 45, 77, 90};  // deg
-
-TEST(BlobSearch, EdgesAndFlatPicturesHoldNoBlob) {
-  std::mt19937 random(18);
-  for (const double angle_deg : kAngles)
-    EXPECT_EQ(BlobsIn(AcrossALine(angle_deg, [](double u) { return 40 + 75 * (1 + std::erf(u)); }), random), 0u)
-        << angle_deg;
-  EXPECT_EQ(BlobsIn(cv::Mat(240, 320, CV_64F, cv::Scalar(90)), random), 0u);
-}
-
-// The search may propose a piece of a line; the fit must not take it for a marker. Two frames, as the first only
-// teaches the noise.
-TEST(ReflectiveDetector, LinesAreNoMarkers) {
-  std::mt19937 random(20);
-  for (const double width_px : {1.0, 3.0, 6.0})
-    for (const double angle_deg : kAngles) {
-      const cv::Mat line =
-          AcrossALine(angle_deg, [&](double u) { return 40 + 150 * std::exp(-0.5 * u * u / (width_px * width_px)); });
-      const auto detector = tracking::MakeReflectiveDetector(tracking::Polarity::kBright, {});
-      for (int i = 0; i < 2; ++i) {
-        video::VideoFrame frame;
-        frame.luma = AddNoise(line, SceneNoise{}, random);
-        EXPECT_THAT(detector->Detect(frame, {}, tracking::Look::kEverywhere), testing::IsEmpty())
-            << width_px << " px, " << angle_deg << " deg";
-      }
-    }
-}
-
-TEST(BlobSearch, StaysInItsRegion) {
-  std::mt19937 random(19);
-  SceneMarker inside, outside;
-  inside.center = {220, 130}, outside.center = {60, 60};
-  const cv::Mat grey = AddNoise(DrawMarkers({320, 240}, {inside, outside}, 0.7, 40), SceneNoise{}, random);
-  const auto found = tracking::FindBlobs(grey, {160, 80, 140, 120}, {});
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_LE((found[0].position - inside.center).norm(), 2);
-}
-
-TEST(NoiseEstimator, RecoversReadNoiseAndGain) {
-  for (const auto& [read_sd, gain] : {std::pair(1.5, 0.02), std::pair(1.0, 0.0), std::pair(2.5, 0.05)}) {
-    std::mt19937 random(23);
-    // A ramp through all levels, and something that moves over it.
-    cv::Mat ramp(180, 320, CV_64F);
-    for (int y = 0; y < ramp.rows; ++y)
-      for (int x = 0; x < ramp.cols; ++x) ramp.at<double>(y, x) = 15 + 215.0 * x / ramp.cols;
-    tracking::NoiseEstimator estimator;
-    for (int i = 0; i < 12; ++i) {
-      cv::Mat picture = ramp.clone();
-      picture(cv::Rect(10 * i, 40, 20, 20)) = 230;
-      estimator.Add(AddNoise(picture, {read_sd, gain}, random));
-    }
-    const tracking::NoiseModel model = estimator.Estimate();
-    // Rounding to whole levels adds 1/12. 70000 differences fix the line's variance to about 1 %; bins of 16 levels and
-    // what moves cost some more.
-    for (const double level : {20.0, 120.0, 220.0}) {
-      const double truth = read_sd * read_sd + gain * level + 1.0 / 12;
-      EXPECT_NEAR(model.Variance(level), truth, 0.08 * truth)
-          << "read sd " << read_sd << ", gain " << gain << ", level " << level;
-    }
-    EXPECT_NEAR(model.gain, gain, 0.005);
-  }
-}
-
-TEST(NoiseEstimator, KnowsWhereTheVideoSaturates) {
-  std::mt19937 random(24);
-  cv::Mat picture(120, 160, CV_64F, cv::Scalar(60));
-  picture(cv::Rect(40, 40, 30, 30)) = 400;
-  cv::Mat clipped = AddNoise(picture, SceneNoise{}, random);
-  tracking::NoiseEstimator full, studio, dark;
-  full.Add(clipped);
-  EXPECT_EQ(full.SaturationLevel(), 255);
-  studio.Add(cv::min(clipped, 235));
-  EXPECT_EQ(studio.SaturationLevel(), 235);
-  dark.Add(AddNoise(cv::Mat(120, 160, CV_64F, cv::Scalar(60)), SceneNoise{}, random));
-  EXPECT_EQ(dark.SaturationLevel(), 255);
-}
 
 // Four markers on slow curves at more than half a pixel a frame, with white noise of this deviation and fits that state
 // `sigma`.
@@ -298,6 +54,20 @@ double ExtraScatterPx(const tracking::SigmaCalibration& found) {
   return std::sqrt(found.scatter_px * found.scatter_px - found.fit_px * found.fit_px);
 }
 
+constexpr double kFit_px = 0.02, kExtra_px = 0.05;
+
+// What is found of kExtra_px, as a share of it, in each of 16 recordings and on average.
+template <typename Make>
+void ExpectExtraFound(const Make& recording_of, double each, double mean) {
+  std::vector<double> found;
+  for (unsigned seed = 0; seed < 16; ++seed) {
+    motion::MarkerRecording recording = recording_of(seed);
+    found.push_back(ExtraScatterPx(tracking::CalibrateSigmas(kH264, recording)) / kExtra_px);
+    EXPECT_NEAR(found.back(), 1, each) << seed;
+  }
+  EXPECT_NEAR(Mean(found), 1, mean);
+}
+
 // 1200 distances fix their deviation to 2 %. Of noise as large as the fits say, none besides is the likeliest.
 TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
@@ -329,23 +99,20 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
 
 // As where a converter shows every picture twice, and the repeats are left out.
 TEST(SigmaCalibration, FindsItWhereEverySecondFrameIsLeftOut) {
-  std::vector<double> found;
-  for (unsigned seed = 0; seed < 16; ++seed) {
-    motion::MarkerRecording recording = Curves(std::hypot(0.02, 0.05), 0.02, seed);
+  const auto halved = [](unsigned seed) {
+    motion::MarkerRecording recording = Curves(std::hypot(kFit_px, kExtra_px), kFit_px, seed);
     for (motion::MarkerTrack& marker : recording.markers)
       for (std::size_t i = 1; i < marker.samples.size(); i += 2) marker.samples[i] = {};
-    found.push_back(ExtraScatterPx(tracking::CalibrateSigmas(kH264, recording)) / 0.05);
-    EXPECT_NEAR(found.back(), 1, 0.2) << seed;
-  }
-  EXPECT_NEAR(Mean(found), 1, 0.03);
+    return recording;
+  };
+  ExpectExtraFound(halved, 0.2, 0.03);
 }
 
 // A walking leg at 25 frames/s: its path is so quick that it hides its errors, its segments do not.
 TEST(SigmaCalibration, FindsItOfWhoWalksAtFewFrames) {
-  std::vector<double> found;
-  for (unsigned seed = 0; seed < 16; ++seed) {
+  const auto walk = [](unsigned seed) {
     std::mt19937 random(seed);
-    std::normal_distribution<double> noise(0, std::hypot(0.02, 0.05));
+    std::normal_distribution<double> noise(0, std::hypot(kFit_px, kExtra_px));
     motion::MarkerRecording recording;
     recording.markers.resize(4);
     for (int f = 0; f < 150; ++f) {
@@ -358,12 +125,11 @@ TEST(SigmaCalibration, FindsItOfWhoWalksAtFewFrames) {
       recording.frame.push_back(f), recording.time_s.push_back(t);
       for (std::size_t m = 0; m < 4; ++m)
         recording.markers[m].samples.push_back(
-            {places[m] + Vector2d{noise(random), noise(random)}, 0.02, motion::SampleStatus::kDetected});
+            {places[m] + Vector2d{noise(random), noise(random)}, kFit_px, motion::SampleStatus::kDetected});
     }
-    found.push_back(ExtraScatterPx(tracking::CalibrateSigmas(kH264, recording)) / 0.05);
-    EXPECT_NEAR(found.back(), 1, 0.4) << seed;
-  }
-  EXPECT_NEAR(Mean(found), 1, 0.05);
+    return recording;
+  };
+  ExpectExtraFound(walk, 0.4, 0.05);
 }
 
 // So strong is compression only where its errors last for some frames, which scatter does not show.
