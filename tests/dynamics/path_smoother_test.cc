@@ -83,7 +83,7 @@ Dense Conditioned(const SeenPath& seen, const PathModel& model, int axis, std::s
     h(k, 4 * static_cast<Eigen::Index>(i)) = 1;
     h(k, 4 * static_cast<Eigen::Index>(i) + 3) = seen.sigma[i];
     value[k] = seen.place[i][axis];
-    noise[k] = model.white * seen.sigma[i] * seen.sigma[i];
+    noise[k] = (model.white + model.jitter) * seen.sigma[i] * seen.sigma[i];
   }
   const Eigen::MatrixXd s = h * prior.covariance * h.transpose() + Eigen::MatrixXd(noise.asDiagonal());
   const Eigen::MatrixXd gain = s.llt().solve(h * prior.covariance).transpose();
@@ -103,6 +103,26 @@ TEST(PathSmoother, IsTheDenseGaussianGivenTheMeasurements) {
       EXPECT_NEAR(path.point[i].position_covariance(axis, axis) / dense.covariance(at, at), 1, 1e-5);
       EXPECT_NEAR(path.point[i].velocity_variance / dense.covariance(at + 1, at + 1), 1, 1e-5);
     }
+  }
+}
+
+// Jitter is part of the place, lasting noise is not: what all other frames say, and then this frame's measurement.
+TEST(PathSmoother, APlaceWithJitterIsTheDenseGaussianToo) {
+  const SeenPath seen = UnevenPath(4);
+  PathModel model = UnevenModel(seen);
+  model.jitter = 3;
+  const SmoothedPath path = SmoothPath(seen, model, kPersonPrior);
+  for (const std::size_t i : {3u, 9u, 15u, 20u}) {
+    const Dense others = Conditioned(seen, model, 1, i);
+    const auto at = 4 * static_cast<Eigen::Index>(i);
+    const double sigma = seen.sigma[i], with_lasting = sigma * others.covariance(at, at + 3),
+                 variance = others.covariance(at, at) + model.jitter * sigma * sigma,
+                 seen_variance =
+                     variance + 2 * with_lasting + sigma * sigma * (others.covariance(at + 3, at + 3) + model.white),
+                 gain = (variance + with_lasting) / seen_variance;
+    EXPECT_NEAR(path.point[i].position.y(),
+                others.mean[at] + gain * (seen.place[i].y() - others.mean[at] - sigma * others.mean[at + 3]), 1e-4);
+    EXPECT_NEAR(path.point[i].position_covariance(1, 1) / (variance - gain * (variance + with_lasting)), 1, 1e-4);
   }
 }
 

@@ -98,5 +98,61 @@ TEST(LastingNoise, OfAWalkIsFollowedNoMoreThanAFilterDoes) {
   }
 }
 
+// A leg whose markers tremble on the skin, as the tracker sees it in a coded film: an error that stays while the
+// picture does and is another one after a pixel's way, and its standard deviation.
+struct Filmed {
+  motion::MarkerRecording tracks;
+  std::vector<motion::LegSample> truth;
+};
+
+Filmed FilmOf(const SyntheticLeg& leg, double jitter_mm, double error_mm, unsigned seed) {
+  constexpr double kPixel_mm = 2;
+  std::vector<gait::LegPoints> points_mm = leg.points_mm;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] {
+    const double x = normal(random), y = normal(random);
+    return Eigen::Vector2d(x, y);
+  };
+  Filmed filmed;
+  for (gait::LegPoints& points : points_mm) {
+    for (std::optional<Eigen::Vector2d>* point : {&points.ankle, &points.knee, &points.hip, &points.waist})
+      **point += jitter_mm * draw();
+    filmed.truth.push_back(gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY()));
+  }
+  filmed.tracks = MakeTracks(leg.time_s, points_mm, InPlane(), {error_mm / 1e6, NoiseKind::kWhite, error_mm}, seed);
+  const motion::MarkerRecording still = MakeTracks(leg.time_s, leg.points_mm, InPlane(), {1e-9}, seed);
+  for (std::size_t m = 0; m < filmed.tracks.markers.size(); ++m) {
+    Eigen::Vector2d error = error_mm * draw();
+    for (std::size_t i = 0; i < leg.time_s.size(); ++i) {
+      const std::vector<motion::MarkerSample>& path = still.markers[m].samples;
+      const double kept = std::exp(-(path[i].position - path[i > 0 ? i - 1 : 0].position).norm() / kPixel_mm);
+      error = kept * error + std::sqrt(1 - kept * kept) * error_mm * draw();
+      filmed.tracks.markers[m].samples[i].position += error;
+    }
+  }
+  return filmed;
+}
+
+// At few frames a second smoothing takes hardly anything of such errors away, as the markers tremble as quickly.
+TEST(LastingNoise, OfACodedFilmIsInTheKneesStandardDeviation) {
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  options.lasting_share = 0.6;
+  for (const double rate_hz : {25.0, 60.0})
+    for (const double jitter_mm : {0.15, 0.3, 0.5}) {
+      double squares = 0;
+      constexpr unsigned kSeeds = 4;
+      for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+        const Filmed filmed = FilmOf(MakeSyntheticLeg({.rate_hz = rate_hz, .repetitions = 1}), jitter_mm, 0.25, seed);
+        squares +=
+            std::pow(CompareKnee(gait::FitLeg(filmed.tracks, InPlane(), options).motion, filmed.truth).normalized, 2);
+      }
+      const double normalized = std::sqrt(squares / kSeeds);
+      EXPECT_GE(normalized, 0.8) << rate_hz << " Hz, " << jitter_mm << " mm";
+      EXPECT_LE(normalized, 1.15) << rate_hz << " Hz, " << jitter_mm << " mm";
+    }
+}
+
 }  // namespace
 }  // namespace lake

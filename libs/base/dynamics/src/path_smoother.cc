@@ -274,6 +274,18 @@ void QuickenGaps(std::span<const SeenPath> paths, const LearningOptions& options
   }
 }
 
+// Of a place with the marker's jitter, of which the frame's white noise hides a part. The lasting noise that smoothing
+// does not take away is in it whole, and of the rest what is left of the white noise: the path together with the
+// lasting noise is known to that.
+double VarianceWhereSeen(const Square<kAxisStates>& covariance, const PathModel& model, double sigma) {
+  const double part = model.OfJitter(), of_jitter = (1 - part) * model.jitter * sigma * sigma;
+  const Eigen::Vector4d place(1 - part, 0, 0, -part * sigma), with_lasting(1 - part, 0, 0, (1 - part) * sigma);
+  const double variance = std::max(place.dot(covariance * place), 0.0) + of_jitter;
+  if (model.not_averaged == 0) return variance;
+  return std::max(variance,
+                  with_lasting.dot(covariance * with_lasting) + of_jitter + model.not_averaged * sigma * sigma);
+}
+
 }  // namespace
 
 SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const MotionPrior& prior) {
@@ -296,13 +308,11 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
         point.velocity = mean.row(kVelocity);
         point.acceleration = mean.row(kAcceleration);
         double variance = std::max(covariance(kPosition, kPosition), 0.0);
-        // The marker's jitter is seen in this frame alone.
-        if (seen.IsSeen(i) && model.jitter > 0) {
-          const double part = model.jitter / (model.jitter + model.white), sigma2 = seen.sigma[i] * seen.sigma[i];
-          point.position += part * (seen.place[i] - point.position - seen.sigma[i] * mean.row(kLasting).transpose());
-          variance = (1 - part) * (1 - part) * variance + (1 - part) * model.jitter * sigma2;
+        if (seen.IsSeen(i)) {
+          const double sigma = seen.sigma[i], part = model.OfJitter();
+          point.position += part * (seen.place[i] - point.position - sigma * mean.row(kLasting).transpose());
+          variance = VarianceWhereSeen(covariance, model, sigma);
         }
-        if (seen.IsSeen(i)) variance = std::max(variance, model.not_averaged * seen.sigma[i] * seen.sigma[i]);
         for (int a = 0; a < axes; ++a) point.position_covariance(a, a) = variance;
         point.velocity_variance = std::max(covariance(kVelocity, kVelocity), 0.0);
       },

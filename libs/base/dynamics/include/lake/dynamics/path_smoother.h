@@ -51,6 +51,8 @@ struct PathModel {
   double jitter = 0;                // of what the marker does from frame to frame, over σ²
   std::vector<double> speed2 = {};  // |ẋ|², per frame; where b > 0 or λ is finite
 
+  // How much of what is seen beyond path and lasting noise is jitter.
+  double OfJitter() const { return jitter / (jitter + white); }
   double SpeedNoise(std::size_t frame) const { return per_speed_s2 > 0 ? speed2[frame] : 0; }  // for b = 1
   // How much of the lasting noise is left after a time that ends at a frame.
   double Kept(std::size_t frame, double elapsed_s) const {
