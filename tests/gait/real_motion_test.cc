@@ -147,7 +147,7 @@ TEST_P(RealMotionFit, ErrorsThatLastForSomeFramesAreStatedAndDoNotBendTheEstimat
       MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.1, NoiseKind::kBrief}, 7), ScaledView(), options);
   const KneeErrors errors = CompareKnee(result.motion, TruthOf(leg, result.motion.facing));
   EXPECT_GE(errors.normalized, 0.8);
-  EXPECT_LE(errors.normalized, 1.55);  // in five of these six at most 1.4
+  EXPECT_LE(errors.normalized, 1.3);
   EXPECT_LE(errors.rms_deg, 1.03 * errors.raw_rms_deg);
 }
 
