@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <random>
+#include <vector>
 
 #include "lake/gait/leg_fit.h"
 #include "synthetic_leg.h"
@@ -134,7 +137,8 @@ Filmed FilmOf(const SyntheticLeg& leg, double jitter_mm, double error_mm, unsign
   return filmed;
 }
 
-// At few frames a second smoothing takes hardly anything of such errors away, as the markers tremble as quickly.
+// Smoothing takes little of such errors away, as the markers tremble as quickly: a variance that left out what lasts
+// beside what trembles made error/SD 1.18 to 1.37.
 TEST(LastingNoise, OfACodedFilmIsInTheKneesStandardDeviation) {
   gait::LegFitOptions options;
   options.known_sigmas = true;
