@@ -4,7 +4,7 @@
 
 int main(int argc, char** argv) {
   lake::Program program("lake-gait", "Leg vectors, knee angle and sit-to-stand events from an existing trial",
-                        "lake-gait trial.trc --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder -o gait");
+                        "lake-gait trial.trc --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS -o gait");
   lake::commands::GaitRunOptions options;
   program.Add(
       lake::OptionsOf(options).WithUsual({"map", "camera", "scale", "plane-points", "facing", "movement", "technical",

@@ -7,6 +7,7 @@
 
 #include "cli/program_run.h"
 #include "compare/closed_form.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "places.h"
@@ -104,6 +105,7 @@ TEST_F(HiddenKnee, OfAStudyIsRebuiltByItself) {
          "exo: {trial: exo.csv}\ncompare: {exo_knee: exo_knee}\n";
   Done("lake-run study.yaml -o S");
   const Json exo = ReadJsonFile(folder_ / "S/exo/summary.json");
+  EXPECT_THAT(ReadTextFile(folder_ / "S/report.html"), HasSubstr("rebuilt from the technical markers"));
   EXPECT_EQ(exo["rebuilt_knee"]["frames"], 900);
   ASSERT_FALSE(ReadJsonFile(folder_ / "S/comparison/comparison.json")["joint"].is_null());
 }

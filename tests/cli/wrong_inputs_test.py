@@ -105,27 +105,27 @@ anonymise study.yaml --trial empty  ->  --trial is the folder that lake track ma
 anonymise page.html --trial empty  ->  --trial is the folder that lake track made of the video
 anonymise … --triax  ->  did you mean '--trial
 axis … --windox  ->  did you mean '--window
-axis … --segment odd  ->  --segment 'odd': write NAME=…
+axis … --segment odd  ->  --segment 'odd': write it as NAME=VALUE
 axis … --unit odd  ->  mm, cm, m, px or its length in mm
 axis … --range odd  ->  --range must have 2 numbers
 calibrate … --fix-kx  ->  did you mean '--fix-k3
 calibrate … --board odd  ->  see lake-calibrate --help
 check … --polaritx  ->  did you mean '--polarity
 check … --markers odd  ->  recordings of a leg are judged
-check … --seed odd  ->  --seed 'odd': write NAME=…
+check … --seed odd  ->  --seed 'odd': write it as NAME=VALUE
 check … --crop odd  ->  --crop must have 4 numbers
 cohort  ->  --template FOLDER makes one
 cohort … --corex  ->  did you mean '--cores
 compare  ->  human
 compare … --replacement-sx  ->  did you mean '--replacement-sd
 compare … --joint-at odd  ->  --joint-at must have 2 numbers
-compare … --map odd  ->  --map 'odd': write NAME=…
-compare … --exo-map odd  ->  --exo-map 'odd': write NAME=…
+compare … --map odd  ->  --map 'odd': write it as NAME=VALUE
+compare … --exo-map odd  ->  --exo-map 'odd': write it as NAME=VALUE
 compare … --camera absent.xyz  ->  leave it out
 compare … --scale odd  ->  --scale must have 5 numbers
-compare … --depth odd  ->  --depth 'odd': write NAME=…
+compare … --depth odd  ->  --depth 'odd': write it as NAME=VALUE
 compare --left trial.csv --right trial.csv  ->  lake symmetry LEFT RIGHT
-compare … --exo-segment odd  ->  --exo-segment 'odd': write NAME=…
+compare … --exo-segment odd  ->  --exo-segment 'odd': write it as NAME=VALUE
 compare … --thigh-cuff odd  ->  give DISTANCE:LENGTH in mm, as 200:80
 compare … --shank-cuff odd  ->  give DISTANCE:LENGTH in mm, as 200:80
 compare … --forward odd  ->  x, y or z with a sign
@@ -141,10 +141,10 @@ convert … --crop odd  ->  --crop must have 2 numbers
 export … --cuff-hole-spacinx  ->  did you mean '--cuff-hole-spacing
 export … --plate odd  ->  a thickness and a material, such as 4mm,PLA
 gait … --smoothex  ->  did you mean '--smoothed
-gait … --technical odd  ->  --technical 'odd': write NAME=…
-gait … --angle odd  ->  --angle 'odd': write NAME=…
-gait … --distance odd  ->  --distance 'odd': write NAME=…
-gait … --speed odd  ->  --speed 'odd': write NAME=…
+gait … --technical odd  ->  --technical 'odd': write it as NAME=VALUE
+gait … --angle odd  ->  --angle 'odd': write it as NAME=VALUE
+gait … --distance odd  ->  --distance 'odd': write it as NAME=VALUE
+gait … --speed odd  ->  --speed 'odd': write it as NAME=VALUE
 gait … --range-limit odd  ->  --range-limit must have 2 numbers
 gait … --compare-with odd  ->  it has: none
 info empty  ->  neither trajectory.csv nor tracks.csv of lake-track
@@ -159,7 +159,7 @@ live … --joint odd  ->  is not one of the markers (ankle, knee, hip, waist, ex
 live … --overlay odd  ->  see lake-live --help
 loads … --plane-pointx  ->  did you mean '--plane-points
 loads … --foot odd  ->  --foot must have 2 numbers
-loads … --plates odd  ->  --plates 'odd': write NAME=…
+loads … --plates odd  ->  --plates 'odd': write it as NAME=VALUE
 optimize --min-transmissiox  ->  did you mean '--min-transmission
 optimize --actuator odd  ->  it has L16-50-35, L16-100-63, L16-140-150, P16-100-256, LA31
 optimize --duration odd  ->  a duration (--duration, duration_s) is free or a number of s
@@ -190,8 +190,8 @@ stroke … --pins odd  ->  --pins 'odd': write NAME=
 stroke … --pins odd=3  ->  ena, in1, in2, retract, extend, out1, out2
 symmetry  ->  left
 symmetry … --sync absent.xyz  ->  only applies together with --forces
-symmetry … --right-map odd  ->  --right-map 'odd': write NAME=…
-symmetry … --plates odd  ->  --plates 'odd': write NAME=…
+symmetry … --right-map odd  ->  --right-map 'odd': write it as NAME=VALUE
+symmetry … --plates odd  ->  --plates 'odd': write it as NAME=VALUE
 sync … --signal-x  ->  did you mean '--signal-a
 sync … --signal-a odd  ->  give both
 sync … --signal-b odd  ->  give both
@@ -199,7 +199,7 @@ synth --stride-lengtx  ->  did you mean '--stride-length
 synth --exo odd  ->  --exo must have 2 numbers
 synth --extra-markers odd  ->  a drawn sit-to-stand has shank1 and shank2
 synth --distortion odd  ->  --distortion must have 5 numbers
-synth --hide odd  ->  --hide 'odd': write NAME=…
+synth --hide odd  ->  --hide 'odd': write it as NAME=VALUE
 track … --dictionarx  ->  did you mean '--dictionary
 track … --color odd  ->  --color is for --detector color
 track … --export odd  ->  there are mot, trc, c3d, tracker, trk, kinovea, kva

@@ -32,6 +32,8 @@ TEST(Convert, AZUpC3dBecomesAYUpTrc) {
   const TemporaryFolder folder;
   const exchange::PointRecording lab = Laboratory();
   exchange::WriteC3d(folder / "a.C3D", lab);  // laboratories write endings in capitals
+  WriteTextFile(folder / "cut.c3d", ReadTextFile(folder / "a.C3D").substr(0, 300));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadPoints(folder / "cut.c3d"); }), testing::HasSubstr("cut off"));
   EXPECT_TRUE(exchange::ConvertFile(folder / "a.C3D", folder / "a.trc", {}).empty());
   const exchange::PointRecording trc = exchange::ReadPoints(folder / "a.trc");
   for (std::size_t i = 0; i < lab.time_s.size(); ++i) {
@@ -200,6 +202,17 @@ TEST(Convert, PixelsAreToldFromLengths) {
   exchange::WritePoints(folder / "trial/trajectory.csv", MakePoints(exchange::PointSpace::kPlane, 5, 2, 3));
   EXPECT_THAT(MessageOf([&] { exchange::ConvertFile(folder / "trial", folder / "b.trk", {}); }),
               testing::HasSubstr("has no tracks.csv, and b.trk holds positions in px"));
+}
+
+TEST(Convert, SaysThatAFoldersTablesAreAProjection) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "trial");
+  exchange::WritePoints(folder / "trial/trajectory.csv", MakePoints(exchange::PointSpace::kPlane, 5, 2, 3));
+  WriteTextFile(folder / "trial/summary.json", "{}");
+  EXPECT_THAT(exchange::ConvertFile(folder / "trial", folder / "a.c3d", {}), testing::IsEmpty());
+  WriteTextFile(folder / "trial/summary.json", R"({"across_plane": {"rms_mm": 20}})");
+  EXPECT_THAT(exchange::ConvertFile(folder / "trial", folder / "a.c3d", {}),
+              testing::ElementsAre(testing::HasSubstr("projection")));
 }
 
 // By the option, by what the program that wrote the folder found; nobody guesses.

@@ -137,6 +137,26 @@ TEST(PlateContact, WhoseEndTheMarkersMissKeepsItsBegin) {
   EXPECT_EQ(found[0].event.kind, StsEventKind::kHeelStrike);
 }
 
+// A plate's event is not off as those that markers show are: of a stride from one to the other nothing cancels.
+TEST(PlateContact, MakesAStrideToAMarkersEventLessCertain) {
+  const DrawnWalkOptions drawn;
+  const gait::LegFitResult markers = FitMovement(DrawWalk(drawn)),
+                           mixed = FitWith(DrawWalk(drawn), ContactOf(drawn, false, 0));
+  const auto before = gait::MeasureGaitCycles(markers).rows, after = gait::MeasureGaitCycles(mixed).rows;
+  const auto struck = std::ranges::find_if(after, [&](const gait::GaitCycle& cycle) {
+    return cycle.begin_s.value == mixed.movement.walk.by_plate.front().event.time_s;
+  });
+  ASSERT_NE(struck, after.end());
+  const gait::GaitCycle &own = before.at(static_cast<std::size_t>(struck - after.begin())), &of = *struck;
+  const auto next = std::ranges::find_if(mixed.events, [&](const motion::StsEvent& event) {
+    return event.kind == StsEventKind::kHeelStrike && event.time_s > of.begin_s.value;
+  });
+  EXPECT_NEAR(of.stride_s.sd, std::hypot(of.begin_s.sd, next->sd_s), 1e-9);
+  EXPECT_GT(of.stride_s.sd, own.stride_s.sd);
+  // The stride's end, which markers show, is part of the share's deviation, too.
+  EXPECT_GE(of.stance_percent.sd, of.stance_percent.value * 0.5 * next->sd_s / of.stride_s.value);
+}
+
 TEST(GivenEvents, OfAWalkReplaceAllThatWereFound) {
   DrawnWalkOptions drawn;
   drawn.noise_mm = 0.5;

@@ -372,6 +372,7 @@ TEST(GaitCycles, AreToldWithTheDigitsOfTheirStandardDeviations) {
   drawn.noise_mm = 0.02;
   const std::string text =
       gait::MeasuresText(gait::MeasureGaitCycles(FitMovement(DrawWalk(drawn))), motion::LengthUnit::kMm);
+  EXPECT_THAT(text, testing::StartsWith("means ± standard deviation of the mean:"));
   EXPECT_THAT(text, testing::ContainsRegex("stride_mm  [0-9]+[.][0-9]+ ± 0[.]0*[1-9]"));
   EXPECT_THAT(text, testing::Not(testing::ContainsRegex("± [0.]*\n")));
 }

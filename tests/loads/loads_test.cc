@@ -616,6 +616,22 @@ TEST(LoadsOfBadInput, ForcesOfAnotherTimeAreRefused) {
   EXPECT_THAT(Failure(options), testing::AllOf(testing::HasSubstr("100.00 to 102.00 s"), testing::HasSubstr("trial")));
 }
 
+// The mean is of the rises that have forces, and each of these is whole.
+TEST(LoadsOfBadInput, RisesWithoutForcesAreLeftOutAndSaidToBe) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  std::ifstream whole(kFolder / "STS1_grf.mot");
+  std::ofstream cut(folder / "cut.mot");
+  for (std::string line; std::getline(whole, line) && !(std::atof(line.c_str()) > 6.8);) cut << line << "\n";
+  cut.close();
+  commands::LoadsRunOptions options = QuickOnPlates("right");
+  options.forces = folder / "cut.mot";
+  const auto outcome = RunOn(options);
+  EXPECT_EQ(outcome->summary["rises"].size(), 3u);
+  for (const Json& rise : outcome->summary["rises"]) EXPECT_GT(rise["knee_energy_j"], 20);
+  EXPECT_THAT(outcome->warnings, testing::Contains(testing::HasSubstr("3 of the 5 rises")));
+}
+
 TEST(LoadsOfBadInput, AWalkWithoutForcesSaysWhatItNeeds) {
   const fs::path walk = SharedData() / "opensim_walk/walking2.c3d";
   if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";

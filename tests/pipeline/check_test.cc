@@ -155,6 +155,9 @@ TEST(Check, JudgesFiguresOneByOne) {
   check.knee_hidden_share = 0.83;
   check.why_not_named.clear();
   EXPECT_THAT(verdict("knee_hidden_share"), testing::HasSubstr("1 two markers on the shank would replace it"));
+  const auto with_technical = tracking::JudgeRecording(check, 7);
+  EXPECT_THAT(std::ranges::find(with_technical, "knee_hidden_share", &tracking::CheckItem::name)->advice,
+              testing::HasSubstr("--technical"));
   // Lamps do not make a recording unfit in which the markers are named all the same
   EXPECT_THAT(verdict("clutter"), testing::StartsWith("1 "));
 }

@@ -287,6 +287,7 @@ TEST_F(StudyYaml, RefusesWithTheLine) {
   ExpectRefused("human:\n  video: human.mp4\n  seed: [a]\n", "study.yaml:3: unknown key 'seed'");
   ExpectRefused("human: {trial: trial.trc, markers: [knee]}\n", "study.yaml:1: unknown key 'markers'");
   ExpectRefused("exo: {video: exo.mp4}\n", "study.yaml:1: 'human' is missing");
+  ExpectRefused("name: Me\nhumann: {video: human.mp4}\n", "study.yaml:2: unknown key 'humann'; did you mean 'human'?");
   ExpectRefused("human: {markers: [knee]}\n", "either 'video' or 'trial'");
   ExpectRefused("human: {video: human.mp4, trial: trial.trc}\n", "either 'video' or 'trial'");
   ExpectRefused("human:\n  video: human.mp4\n  seeds: [\"knee=1\"]\n", "study.yaml:3: ");

@@ -408,9 +408,10 @@ TEST(FrameTimes, AStillRestIsMeasured) {
   }
 }
 
-// All markers jump by 20 mm at once, as where somebody pushes the camera: that is said, and the recording stands.
-TEST(FrameTimes, AJoltIsSaidAndNoCut) {
-  for (const std::uint64_t seed : {791u, 792u}) {
+// All markers jump by 20 mm at once, as where somebody pushes the camera: that is said, and the recording stands. A
+// second jump soon after the first is said once, too, however near they look like one another.
+TEST(FrameTimes, APositionJumpIsSaidAndNoCut) {
+  for (const auto& [seed, jumps] : {std::pair(791u, 1), {792u, 1}, {793u, 2}}) {
     const synth::Scene scene = OneRise(seed);
     std::vector<int> source(static_cast<std::size_t>(scene.Frames()));
     std::iota(source.begin(), source.end(), 0);
@@ -419,13 +420,17 @@ TEST(FrameTimes, AJoltIsSaidAndNoCut) {
     const double px_per_mm = (scene.Truth(at).markers[0].px - scene.Truth(at).markers[1].px).norm() /
                              (scene.Truth(at).markers[0].mm - scene.Truth(at).markers[1].mm).norm();
     for (motion::MarkerTrack& marker : shown.recording.markers)
-      for (std::size_t i = static_cast<std::size_t>(at); i < marker.samples.size(); ++i)
-        marker.samples[i].position.x() += 20 * px_per_mm;
+      for (int jump = 0; jump < jumps; ++jump)
+        for (auto i = static_cast<std::size_t>(at + 12 * jump); i < marker.samples.size(); ++i)
+          marker.samples[i].position.x() += 20 * px_per_mm;
     FrameTimes times;
     ASSERT_NO_THROW(times = CorrectFrameTimes({}, shown.recording)) << seed;
-    ASSERT_EQ(times.position_jumps.size(), 1u) << seed;
-    EXPECT_EQ(times.position_jumps[0].after, at) << seed;
-    EXPECT_NEAR(times.position_jumps[0].jump_mm, 20, 4) << seed;  // a leg of 850 mm is assumed
+    ASSERT_EQ(std::ssize(times.position_jumps), jumps) << seed;
+    for (int jump = 0; jump < jumps; ++jump) {
+      EXPECT_EQ(times.position_jumps[static_cast<std::size_t>(jump)].after, at + 12 * jump) << seed;
+      // A leg of 850 mm is assumed.
+      EXPECT_NEAR(times.position_jumps[static_cast<std::size_t>(jump)].jump_mm, 20, 4) << seed;
+    }
     EXPECT_TRUE(times.repeated.empty()) << seed;
   }
 }

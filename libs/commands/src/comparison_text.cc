@@ -24,7 +24,7 @@ std::string JointText(const Json& comparison) {
                         rounded("uncertainty/joint_rms_mm/marker_interval/0"),
                         rounded("uncertainty/joint_rms_mm/marker_interval/1"));
   text +=
-      fmt::format(", {} mm at most; moving the joint leaves {}{} mm RMS", rounded("joint/max_mm"),
+      fmt::format(", {} mm at most; moved there and put on anew {}{} mm RMS", rounded("joint/max_mm"),
                   NumberAt(comparison, "joint/repetitions") < 2 ? "at least " : "", rounded("best_placement/rms_mm"));
   if (std::isfinite(moved.value)) text += fmt::format(" and a path difference of {:.2f} %", moved.value);
   if (std::isfinite(moved.low)) text += fmt::format(" (95 % interval {:.2f} to {:.2f} %)", moved.low, moved.high);

@@ -20,16 +20,29 @@ namespace fs = std::filesystem;
 std::string JointText(const Json& comparison) {
   const Json joint = Find(comparison, "joint");
   if (joint.is_null()) return "";
+  const Uncertain moved = JointMovedFigure(comparison);
   return fmt::format(
-      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it; in that trial, moving it there leaves "
-      "{}{} mm. ",
+      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it; moved there and put on anew, it would "
+      "be {}{} mm from it{}. ",
       UncertainText(FactOf(comparison, kJointRms), " mm"), joint.at("repetitions") == 1 ? "at least " : "",
-      JointMovedFigure(comparison).Text());
+      moved.Text(),
+      moved.value < NumberAt(joint, "rms_mm") ? "" : ", no nearer than now, so that it need not be moved");
+}
+
+// Where the exoskeleton hides the knee.
+std::string RebuiltText(const StudyResults& results) {
+  const Json rebuilt = Find(results.Summary("exo"), "rebuilt_knee");
+  if (!rebuilt.is_object()) return "";
+  return fmt::format(
+      "The exoskeleton hides the knee in {} frames, where it is rebuilt from the technical markers, ± {} mm (1 SD "
+      "along "
+      "each axis). ",
+      rebuilt.at("frames").get<int>(), RoundedText(NumberAt(rebuilt, "sd_mm"), 1));
 }
 
 std::string WrongText(const StudyResults& results) {
   const Json comparison = results.Summary("comparison");
-  return JointText(comparison) +
+  return JointText(comparison) + RebuiltText(results) +
          fmt::format("The knee paths of both trials differ by {} mm RMS, {} % of the shank length. {}",
                      FactOf(comparison, kPathMm).Text(), FactOf(comparison, kPathPercent).Text(),
                      DecompositionAdvice(comparison));

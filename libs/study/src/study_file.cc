@@ -424,6 +424,11 @@ StudyFile ReadStudyFile(const fs::path& path) {
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a study is a map with the keys human, exo, camera, …", path.string());
   ExpectKind(root, "study");
+  // Where 'human' is missing because it is misspelt, that is said.
+  for (const char* key : {"name", "out", "folder", "camera", "human", "exo", "compare", "design", "reoptimize", "loads",
+                          "assistance", "simulate", "stroke"})
+    root.Child(key);
+  root.Finish();
   InputFiles files((path.parent_path() / root.Text("folder").value_or("")).lexically_normal());
   StudyFile study;
   study.file = path;
@@ -454,7 +459,6 @@ StudyFile ReadStudyFile(const fs::path& path) {
   }
   if (auto simulate = root.Child("simulate")) ReadSimulation(std::move(*simulate), files, study);
   if (auto stroke = root.Child("stroke")) study.stroke = ReadStroke(std::move(*stroke), files, study.stroke_section);
-  root.Finish();
   files.ThrowIfMissing(path);
   ReadProblemFile(study.design);
   if (study.redesign) ReadProblemFile(study.redesign->design);

@@ -130,7 +130,9 @@ std::optional<double> CsvTable::Number(std::size_t row, std::size_t column) cons
     std::ranges::replace(with_point, ',', '.');  // two commas are no number then either
     value = ParseNumber(with_point);
   }
-  if (!value) throw Fail("{}: column '{}': '{}' is not a finite number", Where(row), header_.at(column), text);
+  if (!value)
+    throw Fail("{}: column '{}': '{}' is not a finite number; leave the cell empty where there is none", Where(row),
+               header_.at(column), text);
   return value;
 }
 

@@ -119,7 +119,7 @@ bool YamlNode::Has(std::string_view key) const {
 std::optional<YamlNode> YamlNode::Child(std::string_view key) {
   if (!impl_->node.IsNull() && !IsMap())
     throw Fail("{}: '{}' must have keys, such as {}, not a value or a list", Where(), impl_->name, key);
-  impl_->taken.emplace_back(key);
+  if (std::ranges::find(impl_->taken, key) == impl_->taken.end()) impl_->taken.emplace_back(key);
   if (!Has(key)) return std::nullopt;
   return YamlNode(std::unique_ptr<Impl>(
       new Impl{.node = std::as_const(impl_->node)[std::string(key)], .file = impl_->file, .name = std::string(key)}));

@@ -33,7 +33,9 @@ C3dBytes::C3dBytes(std::string bytes, std::string path) : bytes_(std::move(bytes
   constexpr char kKey = 0x50;
   if (bytes_.size() > 1 && bytes_[1] != kKey)  // some of Vicon's have zeros before the header
     bytes_.erase(0, std::min(bytes_.find_first_not_of('\0'), bytes_.size()));
-  if (bytes_.size() < 1024 || bytes_[1] != kKey) throw Fail("{}: not a C3D file, whose second byte is 80", path_);
+  if (bytes_.size() < 2 || bytes_[1] != kKey) throw Fail("{}: not a C3D file, whose second byte is 80", path_);
+  constexpr std::size_t kHeads = 1024;  // header and parameters
+  Require(0, kHeads);
   const std::size_t block = Unsigned8(0);
   parameter_offset_ = block > 0 ? 512 * (block - 1) : 512;
   const int processor = Unsigned8(parameter_offset_ + 3);

@@ -152,6 +152,19 @@ fs::path TableFor(const fs::path& out, const fs::path& folder) {
   throw Fail("{}: has no tracks.csv, and {} holds positions in px", folder.string(), out.filename().string());
 }
 
+// A folder's tables are in a plane; what was measured in space loses its way across.
+void WarnOfProjection(const fs::path& folder, PointRecording& points) {
+  const fs::path summary = folder / "summary.json";
+  if (!fs::is_regular_file(summary)) return;
+  const Json json = ReadJsonFile(summary);
+  if (!json.is_object() || !json.contains("across_plane")) return;
+  points.warnings.push_back(fmt::format(
+      "{}: was measured in space, and its tables are the projection onto the vertical plane of the leg's motion: "
+      "angles "
+      "of what is written differ from those of kinematics.csv by degrees; convert the recording itself instead",
+      folder.string()));
+}
+
 std::vector<std::string> ConvertCamera(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   CheckNoPointOptions(out, options, "a camera");
   const camera::CameraProfile profile = camera::ReadCameraProfile(in, options.reading.view);
@@ -174,6 +187,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
   const fs::path table = fs::is_directory(in) && MarkerFilesOf(in).empty() ? TableFor(out, in) : in;
   PointRecording points = ReadPoints(table, options.reading.Reading());
+  if (fs::is_directory(in)) WarnOfProjection(table.parent_path(), points);
   if (ending == ".c3d" && fs::is_directory(in)) points.events = EventsOfFolder(table.parent_path(), options);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, table, out);

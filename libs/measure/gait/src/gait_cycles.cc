@@ -69,9 +69,6 @@ const motion::Angle& AngleOf(std::string_view name) {
   return *std::ranges::find_if(motion::Angles(), [&](const motion::Angle& angle) { return angle.name == name; });
 }
 
-// An event's share of its SD that is not alike in all of a person's strides.
-constexpr double kWithinPerson = 0.5;
-
 class CycleMeasurer {
  public:
   CycleMeasurer(const LegFitResult& leg, double anatomical_sd_deg)
@@ -91,9 +88,25 @@ class CycleMeasurer {
     return found == leg_.events.end() ? nullptr : &*found;
   }
 
+  // The part of an event's SD that is its own.
+  static double OwnSd(const motion::StsEvent& event) {
+    return std::sqrt(std::max(event.sd_s * event.sd_s - event.alike_sd_s * event.alike_sd_s, 0.0));  // NaN: not known
+  }
+
+  // Between two events of a kind that markers show, the part that is alike cancels; of a plate's event none is.
   static Measured Between(const motion::StsEvent& from, const motion::StsEvent& to) {
-    const double within = from.kind == to.kind ? kWithinPerson : 1;
-    return {to.time_s - from.time_s, within * std::hypot(from.sd_s, to.sd_s)};
+    const double duration_s = to.time_s - from.time_s;
+    if (from.kind != to.kind) return {duration_s, std::hypot(from.sd_s, to.sd_s)};
+    return {duration_s, std::hypot(OwnSd(from), OwnSd(to), to.alike_sd_s - from.alike_sd_s)};
+  }
+
+  // The heel strikes at both ends of a stride move the share together, as far as they are off alike.
+  static Measured StancePercent(const motion::StsEvent& strike, const motion::StsEvent& off,
+                                const motion::StsEvent& next) {
+    const double stride_s = next.time_s - strike.time_s, share = (off.time_s - strike.time_s) / stride_s;
+    const double strikes_s = std::hypot((1 - share) * OwnSd(strike), share * OwnSd(next),
+                                        std::lerp(strike.alike_sd_s, next.alike_sd_s, share));
+    return {100 * share, 100 * std::hypot(off.sd_s, strikes_s) / stride_s};
   }
 
   // A value that runs through the frames, at a time between two.
@@ -216,7 +229,7 @@ class CycleMeasurer {
     cycle.stance_s = Between(strike, off);
     cycle.swing_s = Between(off, next);
     const double stride_s = cycle.stride_s.value;
-    cycle.stance_percent = {100 * cycle.stance_s.value / stride_s, 100 * cycle.stance_s.sd / stride_s};
+    cycle.stance_percent = StancePercent(strike, off, next);
     cycle.cadence_steps_min = {120 / stride_s, 120 / stride_s * cycle.stride_s.sd / stride_s};
     const double loaded_s = std::min(strike.time_s + 0.25 * stride_s, off.time_s);
     const motion::Angle &knee = AngleOf("knee"), &ankle = AngleOf("ankle");

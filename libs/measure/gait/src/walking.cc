@@ -364,6 +364,8 @@ class WalkFinder {
     if (found.event.time_s > leg_.motion.time_s.back() - (by_velocity ? 0 : kEnd_s)) return std::nullopt;
     const double disagreement = std::sqrt(std::max(0.0, squares - sum * sum / weights));  // one degree of freedom
     found.event.sd_s = std::max(1.0, disagreement / 2) * std::hypot(method / weights, std::sqrt(noise) / weights);
+    constexpr double kWithinPerson = 0.5;  // of the SD: the part that differs from stride to stride
+    found.event.alike_sd_s = std::sqrt(1 - kWithinPerson * kWithinPerson) * found.event.sd_s;
     found.event.kind = !foot.is_other  ? kind
                        : turn.is_front ? StsEventKind::kHeelStrikeOther
                                        : StsEventKind::kToeOffOther;

@@ -419,10 +419,13 @@ MomentumSd SpreadOf(const std::vector<RiseMomentum>& draws) {
           .upward_max_m_s = of(&RiseMomentum::upward_max_m_s)};
 }
 
-void CheckOverlap(const GroundForces& forces, const std::vector<Rise>& rises) {
+// Those that the forces hold from onset to standing.
+std::vector<Rise> RisesWithin(const GroundForces& forces, const std::vector<Rise>& rises) {
   if (forces.time_s.size() < 3) throw Fail("loads: forces at {} times are too few", forces.time_s.size());
+  std::vector<Rise> held;
   for (const Rise& rise : rises)
-    if (forces.time_s.front() <= rise.onset_s && forces.time_s.back() >= rise.standing_s) return;
+    if (forces.time_s.front() <= rise.onset_s && forces.time_s.back() >= rise.standing_s) held.push_back(rise);
+  if (!held.empty()) return held;
   throw Fail(
       "loads: the forces run from {:.2f} to {:.2f} s, and hold none of the rises ({:.2f} to {:.2f} s): are they of "
       "another trial?",
@@ -573,7 +576,7 @@ Measured Measure(const motion::MarkerRecording& trajectory, const std::vector<mo
                  LegPathOptions path_options, const LoadsOptions& options, const std::optional<GroundForces>& forces) {
   Measured measured;
   measured.rises = RisesOf(events);
-  if (forces) CheckOverlap(*forces, measured.rises);
+  if (forces) measured.rises = RisesWithin(*forces, measured.rises);
   path_options.cutoff_hz = options.cutoff_with_forces_hz;
   measured.at_custom = MakeLegPath(trajectory, path_options);
   measured.windows = WindowsOf(measured.rises, trajectory.time_s, options);
@@ -719,6 +722,10 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   result.balance = FindBalance(measured.by_motion, measured.Trunk(), measured.rises, options);
   result.body_path = MeanBodyPath(measured.by_motion, measured.Trunk(), measured.rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
+  if (const std::size_t rises = RisesOf(events).size(), held = measured.rises.size(); held < rises)
+    result.warnings.push_back(
+        fmt::format("the forces run from {:.2f} to {:.2f} s and hold {} of the {} rises: the others are left out",
+                    forces->time_s.front(), forces->time_s.back(), held, rises));
   if (forces) {
     WarnOfForces(measured.model, measured.rises, options, result);
     WarnOfClock(measured.model, measured.windows, result);

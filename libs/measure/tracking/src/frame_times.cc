@@ -6,10 +6,12 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "film_rates.h"
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
+#include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "timed_paths.h"
@@ -392,13 +394,16 @@ class FrameClock {
     TimedPaths paths(recording_, NewFrames());
     const double usual_s = paths.UsualInterval();
     std::vector<Elapsed> before(paths.Frames());
+    std::set<std::ptrdiff_t> decided;
     const auto judge = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
       for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(from, 1); k < std::min(to, std::ssize(before)); ++k)
-        before[static_cast<std::size_t>(k)] = Judge(paths, static_cast<std::size_t>(k), usual_s, times.uneven_s);
+        before[static_cast<std::size_t>(k)] =
+            decided.contains(k) ? Elapsed() : Judge(paths, static_cast<std::size_t>(k), usual_s, times.uneven_s);
     };
     judge(1, std::ssize(before));
     std::vector<std::pair<std::size_t, std::size_t>> cuts;
     while (true) {
+      ThrowIfInterrupted();
       auto clearest = std::ranges::max_element(before, {}, &Elapsed::log_odds);
       if (clearest->log_odds < -std::log(kDoubt)) break;
       // Paths that reach across a cut make its neighbours look like one.
@@ -422,8 +427,8 @@ class FrameClock {
         times.position_jumps.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
       }
       paths.Cut(static_cast<std::size_t>(at));
+      decided.insert(at);
       judge(at - kReach, at + kReach);
-      before[static_cast<std::size_t>(at)] = {};
     }
     if (!cuts.empty()) ThrowCuts(cuts);
     for (std::size_t at = 1; at < before.size(); ++at)

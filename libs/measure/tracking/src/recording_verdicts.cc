@@ -17,6 +17,8 @@ Verdict Judge(double value, double good, double poor) {
   return value <= good ? Verdict::kGood : value <= poor ? Verdict::kPoor : Verdict::kUnfit;
 }
 
+constexpr int kNamesWithTechnical = 6;  // the leg's four, and two on the skin of a segment
+
 void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& items) {
   items.push_back(
       {.name = "all_seen_share",
@@ -41,7 +43,7 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
     items.push_back({.name = "knee_hidden_share",
                      .shown = fmt::format("knee hidden in {:.0f} % of the frames", 100 * c.knee_hidden_share),
                      .verdict = Verdict::kPoor,
-                     .advice = kHiddenKneeAdvice});
+                     .advice = markers >= kNamesWithTechnical ? kRebuiltKneeAdvice : kHiddenKneeAdvice});
   const MarkerFigures& m = c.markers;
   items.push_back({.name = "radius_px",
                    .shown = fmt::format("marker radius {:.1f} px", m.radius_px),

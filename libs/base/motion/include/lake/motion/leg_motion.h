@@ -134,6 +134,7 @@ struct StsEvent {
   std::int64_t frame = 0;
   double time_s = 0;
   double sd_s = LegSample::kUnknown;  // of the time, from the fit; in events.csv of walking and squats only
+  double alike_sd_s = 0;              // the part of sd_s by which all such events of the person are off together
 };
 
 // kinematics.csv; the vectors' columns end in the motion's unit. Reading throws Error naming file, line and column,

@@ -127,7 +127,8 @@ Json MeasuresJson(const Measures<Row>& measures, motion::LengthUnit of_plane) {
 // The means at the terminal.
 template <typename Row>
 std::string MeasuresText(const Measures<Row>& measures, motion::LengthUnit of_plane) {
-  std::string text;
+  if (measures.rows.empty()) return "";
+  std::string text = measures.rows.size() > 1 ? "means ± standard deviation of the mean:\n" : "± standard deviation:\n";
   for (const Field<Row>& field : Row::Fields())
     if (const Measured& of = measures.mean.*field.value; std::isfinite(of.value))
       text += field.Column(of_plane) + "  " + PlusMinusText(of.value, of.sd, field.digits) + "\n";

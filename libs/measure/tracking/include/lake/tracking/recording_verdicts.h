@@ -24,6 +24,9 @@ struct CheckItem {
 inline constexpr double kOftenHidden = 0.1;
 inline constexpr const char* kHiddenKneeAdvice =
     "two markers on the shank would replace it (the manual's page on the hidden knee)";
+inline constexpr const char* kRebuiltKneeAdvice =
+    "lake track --technical shank=A,B rebuilds it if two of the further markers are on the shank (the manual's page on "
+    "the hidden knee)";
 
 // Every figure of a check, judged.
 std::vector<CheckItem> JudgeRecording(const RecordingCheck& check, int markers);

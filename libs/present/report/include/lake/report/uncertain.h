@@ -56,14 +56,15 @@ struct Fact {
 
 inline constexpr const char* kOfAllSources = ", all sources";
 inline constexpr const char* kOfMarkers = ", of the markers alone";
+inline constexpr const char* kOfSlip = ", of the slip between repetitions";
 // Of the joint against the knee of the leg that wears it, with what moving it there leaves. The interval of all
 // sources, the skin among them, is that on which a decision rests.
 inline constexpr Fact kJointRms{"joint misalignment, RMS", "mm", "joint/rms_mm",
                                 "uncertainty/joint_rms_mm/anatomical_interval", kOfAllSources};
 inline constexpr Fact kJointMax{"joint misalignment, largest", "mm", "joint/max_mm", "joint/max_interval_mm",
                                 kOfMarkers};
-inline constexpr Fact kJointMoved{"joint misalignment, joint moved", "mm", "best_placement/rms_mm",
-                                  "best_placement/rms_interval_mm", kOfMarkers};
+inline constexpr Fact kJointMoved{"joint misalignment, joint moved and put on anew", "mm", "best_placement/rms_mm",
+                                  "best_placement/rms_interval_mm", kOfSlip};
 inline constexpr Fact kPathMoved{"path difference, joint moved, of the shank", "%", "best_placement/path_relative_rms",
                                  "best_placement/path_relative_rms_interval"};
 inline constexpr Fact kPathPercent{"path difference, RMS, of the shank", "%", "metrics/relative_rms",
