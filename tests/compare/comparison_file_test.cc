@@ -2,7 +2,6 @@
 #include "lake/compare/comparison_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <functional>
 
@@ -10,6 +9,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -33,14 +33,8 @@ class ComparisonFile : public testing::Test {
     Json json = json_;
     change(json);
     Write(json);
-    try {
-      compare::ReadComparison(folder_.Path());
-      ADD_FAILURE() << "accepted: " << text;
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr("comparison.json"));
-      EXPECT_THAT(error.what(), HasSubstr(text));
-      EXPECT_THAT(error.what(), testing::Not(HasSubstr("\n")));
-    }
+    EXPECT_THAT(MessageOf([&] { compare::ReadComparison(folder_.Path()); }),
+                testing::AllOf(HasSubstr("comparison.json"), HasSubstr(text), testing::Not(HasSubstr("\n"))));
   }
 
   TemporaryFolder folder_;

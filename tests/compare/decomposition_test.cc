@@ -1,6 +1,5 @@
 #include "lake/compare/decomposition.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "closed_form.h"

@@ -1,6 +1,5 @@
 // The intervals of a path difference and its parts: as often around the truth as they say.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <functional>
 #include <numeric>

@@ -1,6 +1,5 @@
 #include "lake/compare/knee_axis.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lake/core/error.h"

@@ -2,7 +2,6 @@
 
 #include <ceres/jet.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "closed_form.h"
 #include "lake/compare/misalignment.h"

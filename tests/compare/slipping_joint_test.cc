@@ -1,6 +1,5 @@
 // A joint that is misplaced and slips a little from rise to rise: nothing else is wrong with it. What intervals must
 // hold.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -2,7 +2,6 @@
 #include "lake/compare/symmetry.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>

@@ -1,11 +1,9 @@
 // From marker tracks to figures: synthetic sit-to-stands through the leg fit, registered and compared with their truth.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "closed_form.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/error.h"
-#include "lake/core/statistics.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/synth/sts_motion.h"
 

@@ -1,11 +1,10 @@
 // The joint misalignment of a walk: it depends neither on the speed of walking nor on its direction.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "gait/drawn_walk.h"
-#include "gait/real_markers.h"
+#include "gait/fitted_movement.h"
 #include "gait/worn_joint_marker.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment.h"
@@ -24,8 +23,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 compare::TrialTables FitWalk(const motion::MarkerRecording& recording, const gait::LateralPlaces& lateral_mm = {}) {
-  gait::LegFitResult leg = gait::FitLeg(recording, gait::MakeLegView(recording.unit, {}), {}, lateral_mm);
-  gait::ChooseMovement({}, leg);
+  const gait::LegFitResult leg = FitMovement(recording, lateral_mm);
   return {"walk", leg.trajectory, leg.motion, leg.events};
 }
 

@@ -1,7 +1,6 @@
 #include "lake/core/csv.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <array>
 #include <clocale>

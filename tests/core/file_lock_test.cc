@@ -2,7 +2,6 @@
 #include "lake/core/file_lock.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <atomic>
 #include <future>

@@ -3,10 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <fstream>
 
-#include "lake/core/atomic_file.h"
 #include "lake/core/provenance.h"
 #include "lake/core/run.h"
 #include "places.h"

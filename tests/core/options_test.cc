@@ -2,7 +2,6 @@
 #include "lake/core/options.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/yaml.h"

@@ -1,9 +1,7 @@
 // What is recorded as a command line is one.
 #include "lake/core/shell_word.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdio>
 #include <random>

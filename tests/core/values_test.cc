@@ -1,6 +1,5 @@
 // Small texts and values at the boundary: NAME=VALUE, numbers that may be undefined.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

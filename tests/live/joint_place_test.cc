@@ -1,7 +1,6 @@
 // What is said of a joint's place: its intervals, the way to move it, the tolerance.
 #include "lake/live/joint_place.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>

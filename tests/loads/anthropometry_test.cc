@@ -1,7 +1,6 @@
 #include "lake/loads/anthropometry.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 #include <memory>
-#include <numbers>
 #include <random>
 
 #include "lake/loads/leg_dynamics.h"

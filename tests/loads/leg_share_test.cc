@@ -9,7 +9,6 @@
 
 #include "gait/synthetic_leg.h"
 #include "lake/core/csv.h"
-#include "lake/core/statistics.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/loads/loads.h"

@@ -2,7 +2,6 @@
 #include "lake/commands/loads.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdio>
 #include <fstream>
@@ -44,6 +43,20 @@ commands::LoadsRunOptions OptionsFor(const std::string& side) {
                     : "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS,shoulder=L_Shoulder");
   options.reading.forward = "+x";
   options.loads.body.mass_kg = 62.6;
+  return options;
+}
+
+// With as many draws as what does not look at bands needs.
+commands::LoadsRunOptions Quick(const std::string& side) {
+  commands::LoadsRunOptions options = OptionsFor(side);
+  options.loads.draws = 20;
+  return options;
+}
+
+commands::LoadsRunOptions QuickOnPlates(const std::string& side) {
+  commands::LoadsRunOptions options = Quick(side);
+  options.forces = kFolder / "STS1_grf.mot";
+  options.plates = {{"right", 1}, {"left", 2}};
   return options;
 }
 
@@ -133,9 +146,7 @@ TEST(Balance, ARiseByMomentumCannotBeSlow) {
 // In the person's own time the moments are those of the rise: the means of both, percent by percent.
 TEST(Balance, TheOwnPacesMomentsAreTheRises) {
   REQUIRE_RECORDING();
-  commands::LoadsRunOptions options = OptionsFor("right");
-  options.loads.draws = 20;
-  const auto outcome = RunOn(options);
+  const auto outcome = RunOn(Quick("right"));
   const CsvTable loads = CsvTable::Read(outcome->folder / "out/loads.csv"),
                  paces = CsvTable::Read(outcome->folder / "out/pace.csv");
   std::map<int, double> mean_nm;
@@ -157,8 +168,7 @@ TEST(Balance, TheOwnPacesMomentsAreTheRises) {
 // What is written of the body reads back, and the profile's moments at another pace are those of pace.csv.
 TEST(Balance, TheProfileIsOfAnyPace) {
   REQUIRE_RECORDING();
-  commands::LoadsRunOptions options = OptionsFor("right");
-  options.loads.draws = 20;
+  commands::LoadsRunOptions options = Quick("right");
   options.loads.rise_s = 3;
   const auto outcome = RunOn(options);
   const loads::BodyPath body = loads::ReadBodyPath(outcome->folder / "out");
@@ -196,9 +206,7 @@ TEST(CentreOfMass, ItsMomentumChangesByWhatThePlatesGive) {
     return sum;
   };
   for (const char* side : {"right", "left"}) {
-    commands::LoadsRunOptions options = OptionsFor(side);
-    options.loads.draws = 20;
-    const auto outcome = RunOn(options);
+    const auto outcome = RunOn(Quick(side));
     const CsvTable centre = CsvTable::Read(outcome->folder / "out/centre_of_mass.csv");
     ASSERT_EQ(centre.Rows(), 5u * 101);
     const auto at = [&](std::size_t row, const char* column) {
@@ -220,9 +228,7 @@ TEST(CentreOfMass, ItsMomentumChangesByWhatThePlatesGive) {
     }
     const Json& momentum = outcome->summary["momentum"];
     // Plates add nothing to what is of the motion alone.
-    options.forces = kFolder / "STS1_grf.mot";
-    options.plates = {{"right", 1}, {"left", 2}};
-    const auto with_plates = RunOn(options);
+    const auto with_plates = RunOn(QuickOnPlates(side));
     EXPECT_EQ(with_plates->summary["momentum"], momentum) << side;
     EXPECT_EQ(with_plates->summary["balance"]["own"], outcome->summary["balance"]["own"]) << side;
     const CsvTable table = CsvTable::Read(outcome->folder / "out/momentum.csv");
@@ -466,8 +472,7 @@ TEST(LoadsBands, HoldWhatIsNotKnownOfTheEvents) {
 
 TEST(LoadsTables, TheSameSeedGivesTheSameBands) {
   REQUIRE_RECORDING();
-  commands::LoadsRunOptions options = OptionsFor("right");
-  options.loads.draws = 20;
+  commands::LoadsRunOptions options = Quick("right");
   const Json first = RunOn(options)->summary, again = RunOn(options)->summary;
   EXPECT_EQ(first, again);
   options.loads.seed = 2;
@@ -480,9 +485,7 @@ std::string Failure(const commands::LoadsRunOptions& options) {
 
 TEST(LoadsOfBadInput, SwappedPlatesAreWarnedOfWithNumbers) {
   REQUIRE_RECORDING();
-  commands::LoadsRunOptions options = OptionsFor("right");
-  options.loads.draws = 20;
-  options.forces = kFolder / "STS1_grf.mot";
+  commands::LoadsRunOptions options = QuickOnPlates("right");
   options.plates = {{"right", 2}, {"left", 1}};
   EXPECT_THAT(RunOn(options)->warnings,
               testing::Contains(testing::AllOf(testing::HasSubstr("plates swapped"), testing::HasSubstr("343 mm"),
@@ -503,20 +506,13 @@ TEST(LoadsOfBadInput, TheLegIsTheOneThatTheMarkersNamesSay) {
     for (const auto& [from, to] : {std::pair<std::string, std::string>{"\tr_ankle\t", ankle}, {"\tr_knee\t", knee}})
       text.replace(text.find(from), from.size(), "\t" + to + "\t");
     std::ofstream(folder / file) << text;
-    commands::LoadsRunOptions options = OptionsFor("right");
+    commands::LoadsRunOptions options = QuickOnPlates("right");
     options.trial = folder / file;
-    options.loads.draws = 20;
-    options.forces = kFolder / "STS1_grf.mot";
-    options.plates = {{"right", 1}, {"left", 2}};
     options.reading.names["ankle"] = ankle;
     options.reading.names["knee"] = knee;
     return options;
   };
-  commands::LoadsRunOptions plain = OptionsFor("right");
-  plain.loads.draws = 20;
-  plain.forces = kFolder / "STS1_grf.mot";
-  plain.plates = {{"right", 1}, {"left", 2}};
-  const auto expected = RunOn(plain);
+  const auto expected = RunOn(QuickOnPlates("right"));
   const auto lateral = RunOn(renamed("lateral.trc", "lateral_ankle_r", "lateral_knee_r"));
   EXPECT_EQ(lateral->summary["peak_knee_nm"], expected->summary["peak_knee_nm"]);
   EXPECT_THAT(lateral->warnings, testing::Not(testing::Contains(testing::HasSubstr("plates swapped"))));
@@ -543,13 +539,6 @@ fs::path ForcesWith(const fs::path& file,
   return file;
 }
 
-commands::LoadsRunOptions QuickOnPlates(const std::string& side) {
-  commands::LoadsRunOptions options = OptionsFor(side);
-  options.loads.draws = 20;
-  options.plates = {{"right", 1}, {"left", 2}};
-  return options;
-}
-
 TEST(LoadsOfBadInput, SwappedUnitsSignsAndPlatesAreErrors) {
   REQUIRE_RECORDING();
   const TemporaryFolder folder;
@@ -568,11 +557,9 @@ TEST(LoadsOfBadInput, SwappedUnitsSignsAndPlatesAreErrors) {
     return column.find("_v") == std::string::npos && column.find("_m") == std::string::npos ? value : -value;
   });
   EXPECT_THAT(Failure(options), testing::HasSubstr("the ground pulls the foot down, by 268 N"));
-  EXPECT_THAT(
-      [] {
-        exchange::CheckPlates({{"right", 1}, {"left", 1}});
-      },
-      testing::ThrowsMessage<UsageError>(testing::HasSubstr("a plate under both feet")));
+  const std::map<std::string, int> both_feet = {{"right", 1}, {"left", 1}};
+  EXPECT_THAT(MessageOf<UsageError>([&] { exchange::CheckPlates(both_feet); }),
+              testing::HasSubstr("a plate under both feet"));
 }
 
 // 0.15 s read 85 for 62 N m. The recording's own clock is off by less than 0.02 s, of either plate.
@@ -600,7 +587,6 @@ TEST(LoadsOfBadInput, SwappedClocksAreWarnedOfWithTheOffset) {
     }
   // Nor does the waist for the shoulder make one of a clock that is right.
   commands::LoadsRunOptions options = QuickOnPlates("right");
-  options.forces = kFolder / "STS1_grf.mot";
   options.reading.names.erase("shoulder");
   EXPECT_THAT(RunOn(options)->warnings, testing::Not(testing::Contains(testing::HasSubstr("clock"))));
 }

@@ -1,12 +1,10 @@
 // A disk that takes no more: every writer says so, and leaves no half file under the final name.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <functional>
 
 #include "file_limit.h"
 #include "lake/camera/board.h"
-#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"

@@ -2,7 +2,6 @@
 #include "lake/overlay/head_blur.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>

@@ -1,6 +1,5 @@
 // Folders with names that other programs and libraries understand otherwise.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <functional>

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/core.hpp>
 
 #include "lake/core/atomic_file.h"

@@ -1,9 +1,7 @@
 // Labels of the linkage's poses, each in a picture of its own and as pages of the animation.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
-#include <vector>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/json.h"

@@ -1,8 +1,6 @@
 // The comparison's report: its numbers are those of the comparison, and a browser draws it.
 #include <gmock/gmock.h>
 
-#include <limits>
-
 #include "browser.h"
 #include "compare/closed_form.h"
 #include "lake/commands/compare.h"

@@ -1,9 +1,7 @@
 #include "lake/report/report.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <regex>
 

@@ -1,8 +1,6 @@
 // Frame n is frame n, whatever was shown before.
 #include "lake/review/frame_store.h"
 
-#include <gmock/gmock.h>
-
 #include <opencv2/imgproc.hpp>
 #include <thread>
 

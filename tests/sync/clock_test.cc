@@ -2,12 +2,10 @@
 #include "lake/sync/clock.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "lake/core/atomic_file.h"
-#include "lake/core/error.h"
 #include "lake/sync/movement.h"
 #include "message_of.h"
 #include "temporary_folder.h"

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "lake/video/image.h"
 #include "lake/video/video_files.h"

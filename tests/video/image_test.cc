@@ -1,7 +1,6 @@
 #include "lake/video/image.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <boost/crc.hpp>
 

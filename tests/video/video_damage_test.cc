@@ -1,7 +1,6 @@
 // Files that are not what they should be: every one ends in an error that names the file and the frame, and no picture
 // that the decoder made up is handed out.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <random>
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <sstream>
 #include <string>

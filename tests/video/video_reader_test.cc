@@ -1,7 +1,6 @@
 #include "lake/video/video_reader.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <csignal>
 

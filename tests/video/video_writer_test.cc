@@ -1,12 +1,10 @@
 #include "lake/video/video_writer.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <random>
 
+#include "file_limit.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -207,21 +205,7 @@ TEST(VideoWriter, RefusesWhatItCannotWrite) {
   EXPECT_THAT([&] { writer.Write(fits, 1); }, ThrowsMessage<Error>(HasSubstr("does not come after")));
 }
 
-// As on a full disk: the file may not grow beyond `bytes`.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit = {bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-
- private:
-  rlimit before_{};
-};
-
+// The file may not grow beyond so many bytes.
 TEST(VideoWriter, FullDiskIsAnErrorAndLeavesNothing) {
   const TemporaryFolder folder;
   const auto pictures = Pictures(30, {320, 240}, CV_8UC1, 3);
@@ -232,7 +216,7 @@ TEST(VideoWriter, FullDiskIsAnErrorAndLeavesNothing) {
   // x264's films of the same pictures differ by up to some thousand bytes, by how busy the machine is.
   for (const auto bytes : {std::uintmax_t{0}, std::uintmax_t{20}, whole_bytes / 2, whole_bytes * 9 / 10}) {
     SCOPED_TRACE(bytes);
-    const FileSizeLimit limit(bytes);
+    const FileLimit limit(bytes);
     EXPECT_THAT([&] { WriteVideo(folder / "v.mp4", {.width = 320, .height = 240, .grey = true}, pictures, stamps); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("v.mp4: cannot be written"), HasSubstr("File too large"))));
     EXPECT_EQ(FilesIn(folder), 0);
