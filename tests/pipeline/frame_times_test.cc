@@ -73,8 +73,10 @@ double TrueKnee(const synth::Scene& scene, double time_s) {
   return b + 0.5 * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a)));
 }
 
-// Tracks what `frames` show, which was captured `slower` times as slowly. Times are compared apart from an offset.
-Shown TrackShown(const Footage& footage, const std::vector<int>& frames, int crf = 20, double slower = 1) {
+// Tracks what `frames` show, which was captured `slower` times as slowly, and prints how far off that is. Times are
+// compared apart from an offset.
+Shown TrackShown(const std::string& what, const Footage& footage, const std::vector<int>& frames, int crf = 20,
+                 double slower = 1) {
   TemporaryFolder folder;
   footage.Write(folder / "video.mp4", frames, crf);
   camera::WriteCameraProfile(folder / "camera.yaml", footage.Scene().Profile());
@@ -114,13 +116,10 @@ Shown TrackShown(const Footage& footage, const std::vector<int>& frames, int crf
   shown.z_deviation = RootMeanSquare(z);
   shown.time_s = RootMeanSquare(time);
   shown.detected_px = RootMeanSquare(position);
+  fmt::print("{}: knee {:.4f} deg, raw {:.4f}, z {:.2f}, times {:.5f} s, detected {:.4f} px, {} rises; {}\n", what,
+             shown.knee_deg, shown.raw_deg, shown.z_deviation, shown.time_s, shown.detected_px,
+             shown.summary["sit_to_stands"].size(), shown.summary["warnings"].dump());
   return shown;
-}
-
-void Say(const std::string& what, const Shown& shown) {
-  std::printf("%s: knee %.4f deg, raw %.4f, z %.2f, times %.5f s, detected %.4f px, %zu rises; %s\n", what.c_str(),
-              shown.knee_deg, shown.raw_deg, shown.z_deviation, shown.time_s, shown.detected_px,
-              shown.summary["sit_to_stands"].size(), shown.summary["warnings"].dump().c_str());
 }
 
 std::vector<int> AllFrames(const Footage& footage) {
@@ -139,8 +138,7 @@ TEST_P(RepeatedFrames, AreNoMeasurements) {
   int repeated = 0;
   for (std::size_t i = 1; i < frames.size(); ++i)
     if (static_cast<int>(i) % GetParam() == 1) frames[i] = frames[i - 1], ++repeated;
-  const Shown shown = TrackShown(footage, frames);
-  Say(fmt::format("one frame in {} repeated, seed {}", GetParam(), seed), shown);
+  const Shown shown = TrackShown(fmt::format("one frame in {} repeated, seed {}", GetParam(), seed), footage, frames);
   EXPECT_LE(shown.knee_deg, 0.05);
   EXPECT_LE(shown.raw_deg, 0.1);
   EXPECT_LE(shown.z_deviation, 1.4);
@@ -168,8 +166,8 @@ TEST_P(StretchedRate, GivesTheFramesTheirOwnTimesBack) {
     if (frame % (period - 1) == 1) frames.push_back(frame);
   }
   const double slower = static_cast<double>(period) / (period - 1);
-  const Shown shown = TrackShown(footage, frames, 20, slower);
-  Say(fmt::format("{} frames in the time of {}, seed {}", period - 1, period, seed), shown);
+  const Shown shown = TrackShown(fmt::format("{} frames in the time of {}, seed {}", period - 1, period, seed), footage,
+                                 frames, 20, slower);
   EXPECT_LE(shown.knee_deg, 0.05);
   EXPECT_LE(shown.raw_deg, 0.1);
   EXPECT_LE(shown.z_deviation, 1.4);
@@ -208,8 +206,7 @@ TEST(FrozenPicture, IsNoMeasurementWhileTimeGoesOn) {
   std::vector<int> frames = AllFrames(footage);
   const int from = FastestFrame(footage.Scene()) - 7;
   for (int i = from + 1; i <= from + 15; ++i) frames[static_cast<std::size_t>(i)] = from;
-  const Shown shown = TrackShown(footage, frames);
-  Say(fmt::format("15 frames frozen from {}, seed {}", from, seed), shown);
+  const Shown shown = TrackShown(fmt::format("15 frames frozen from {}, seed {}", from, seed), footage, frames);
   EXPECT_LE(shown.knee_deg, 1);
   EXPECT_LE(shown.raw_deg, 0.05);
   EXPECT_LE(shown.z_deviation, 1.4);
@@ -223,8 +220,7 @@ TEST(FrozenPicture, IsNoMeasurementWhileTimeStandsStill) {
   std::vector<int> frames = AllFrames(footage);
   const int from = FastestFrame(footage.Scene());
   frames.insert(frames.begin() + from, 15, from);
-  const Shown shown = TrackShown(footage, frames);
-  Say(fmt::format("15 frames inserted at {}, seed {}", from, seed), shown);
+  const Shown shown = TrackShown(fmt::format("15 frames inserted at {}, seed {}", from, seed), footage, frames);
   EXPECT_LE(shown.knee_deg, 0.05);
   EXPECT_LE(shown.time_s, 1e-3);
   ExpectJump(shown, 1 / kRateHz);
@@ -239,8 +235,8 @@ TEST_P(MissingTime, IsToldFromTheMotion) {
   std::vector<int> frames = AllFrames(footage);
   const int at = FastestFrame(footage.Scene()) - GetParam() / 2;
   frames.erase(frames.begin() + at, frames.begin() + at + GetParam());
-  const Shown shown = TrackShown(footage, frames);
-  Say(fmt::format("{} frames cut out at {}, seed {}", GetParam(), at, seed), shown);
+  const Shown shown =
+      TrackShown(fmt::format("{} frames cut out at {}, seed {}", GetParam(), at, seed), footage, frames);
   EXPECT_LE(shown.knee_deg, 0.05 + 0.02 * GetParam());
   EXPECT_LE(shown.raw_deg, 0.05 + 0.02 * GetParam());
   EXPECT_LE(shown.time_s, 0.03 * GetParam() / kRateHz);
@@ -255,8 +251,7 @@ TEST(WholeRecording, IsTakenAsItIs) {
   const std::uint64_t seed = 66129;
   const Footage& footage = Footage::OfSeed(seed);
   for (const int crf : {17, 30}) {
-    const Shown shown = TrackShown(footage, AllFrames(footage), crf);
-    Say(fmt::format("whole, crf {}, seed {}", crf, seed), shown);
+    const Shown shown = TrackShown(fmt::format("whole, crf {}, seed {}", crf, seed), footage, AllFrames(footage), crf);
     EXPECT_EQ(shown.summary["video"].value("repeated_frames", 0), 0);
     EXPECT_EQ(shown.summary["warnings"].size(), 0u);
     EXPECT_LE(shown.time_s, 1e-4);

@@ -1,7 +1,6 @@
 // Times of rises in rendered films: the phases against the closed form that was rendered, and the clocks of two films
 // of one movement against their known offset.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <memory>

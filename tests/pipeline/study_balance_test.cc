@@ -1,7 +1,5 @@
 // A study whose program a person has to be in balance along: what its page says of it, and the moments behind that.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>

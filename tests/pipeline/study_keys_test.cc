@@ -1,5 +1,4 @@
 // Messages name options; who wrote a study file is told its keys.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lake/commands/track.h"

@@ -1,6 +1,5 @@
 // The real optical recording as a study: the right leg as the human's, the left leg as the exoskeleton's.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pipeline/study_trials.h"

@@ -1,8 +1,5 @@
 // Whole studies of marker files: what comes out, what is done again, what is refused.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
 
 #include "lake/core/error.h"
 #include "page_text.h"

@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/video/image.h"
+#include "message_of.h"
 #include "pipeline/rendered_trial.h"
 #include "synth/cramer_rao.h"
 
@@ -210,12 +211,8 @@ class Corrections : public testing::Test {
   }
 
   void ExpectError(const std::string& rows, const std::string& text) {
-    try {
-      Track(rows);
-      ADD_FAILURE() << rows << " was taken";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("corrections.csv:2"), testing::HasSubstr(text)));
-    }
+    EXPECT_THAT(MessageOf([&] { Track(rows); }),
+                testing::AllOf(testing::HasSubstr("corrections.csv:2"), testing::HasSubstr(text)));
     EXPECT_FALSE(std::filesystem::exists(trial_.folder / "trial" / "tracks.csv"));
   }
 

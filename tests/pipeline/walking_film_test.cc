@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <optional>
 
+#include "gait/fitted_movement.h"
 #include "lake/core/angles.h"
-#include "lake/gait/leg_fit.h"
-#include "lake/gait/movement.h"
 #include "name_map.h"
 #include "pipeline/rendered_trial.h"
 #include "places.h"
@@ -76,8 +74,7 @@ std::vector<motion::StsEvent> TrueEvents(const synth::SceneOptions& film) {
       lateral[recording.markers[m].name].push_back(places[m].z());
     }
   }
-  gait::LegFitResult leg = gait::FitLeg(recording, gait::MakeLegView(recording.unit, {}), {}, lateral);
-  gait::ChooseMovement({}, leg);
+  const gait::LegFitResult leg = FitMovement(recording, lateral);
   std::vector<motion::StsEvent> events;
   for (int pass = 0; pass < film.walk->passes; ++pass)
     for (motion::StsEvent event : leg.events) {
