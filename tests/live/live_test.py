@@ -10,10 +10,10 @@ import pathlib
 import random
 import re
 import resource
-import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -21,16 +21,15 @@ import unittest
 import urllib.error
 import urllib.request
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "review"))
 try:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
+    from browser import DRIVER, PageParts, headless
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
 except ImportError:
-    webdriver = None
+    DRIVER, PageParts = None, object
 
 BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
-DRIVER = shutil.which("chromedriver")
 SAMPLE = pathlib.Path(os.environ.get("LAKE_SOURCE", pathlib.Path(__file__).resolve().parents[2])) / "data/sts-study"
 WAIT_S = 600  # a loaded machine; what is waited for takes some seconds
 WORN = (18, 32)  # joint less knee, mm, shank frame
@@ -483,10 +482,6 @@ class Streams(Films):
             self.assertEqual(len(ended.stderr.splitlines()), 1)
 
 
-@unittest.skipIf(webdriver is None or DRIVER is None, "no chromedriver and selenium for this Python "
-                 "(Debian packages chromium-driver and python3-selenium)")
-
-
 class LongStreams(Films):
     def test_the_sample_study(self):
         """Three rises at 60 Hz: the recording is the exoskeleton's in a study as well as a trial to be compared."""
@@ -541,20 +536,14 @@ class LongStreams(Films):
                 self.expect_verdicts(f"overexposed_{coding}", ("saturated_share",), *made, apart="all_seen_share")
 
 
-class Browser(Films):
+@unittest.skipIf(DRIVER is None, "no chromedriver and selenium for this Python "
+                 "(Debian packages chromium-driver and python3-selenium)")
+class Browser(PageParts, Films):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        options = webdriver.ChromeOptions()
-        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                         "--window-size=1400,1250", f"--user-data-dir={cls.folder / 'profile'}"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        cls.browser = webdriver.Chrome(options=options, service=Service(DRIVER))
+        cls.browser = headless(1400, 1250, cls.folder / "profile")
         cls.addClassCleanup(cls.browser.quit)
-
-    def part(self, name):
-        return self.browser.find_element(By.ID, name)
 
     def shot(self, name):
         if folder := os.environ.get("LAKE_SHOTS"):
@@ -583,13 +572,13 @@ class Page(Browser):
         live = self.live("-", "--tolerance", 6, "--joint-at", "0,-60", "--patience", WAIT_S, "-o", "session", stdin=camera.output)
         camera.is_read_by_another()
         self.browser.get(live.address)
-        self.until(lambda: self.part("live-trial").text == "Begin trial")
+        self.until(lambda: self.text("live-trial") == "Begin trial")
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
         # Before the start: what is wrong with the pictures, and who has no name yet.
         for name in NAMES:
-            self.assertIn(name, self.part("live-naming").text)
-        self.until(lambda: "poor: 30 frames/s" in self.part("live-checks").text)
-        self.assertEqual(self.part("live-check-count").text, "Pictures: 1 change needed")
+            self.assertIn(name, self.text("live-naming"))
+        self.until(lambda: "poor: 30 frames/s" in self.text("live-checks"))
+        self.assertEqual(self.text("live-check-count"), "Pictures: 1 change needed")
         self.click_marker("exo_knee", read_table(self.folder / "before/truth.csv")[0])
         self.shot("begin")
         self.assertFalse(self.part("live-sound").is_selected())
@@ -597,12 +586,12 @@ class Page(Browser):
         rung = self.until(lambda: int(self.part("live-sound").get_attribute("data-rung") or 0))
         self.part("name").click()  # the focus is the page's
         ActionChains(self.browser).send_keys(" ").perform()
-        self.until(lambda: self.part("live-trial").text == "End trial")
+        self.until(lambda: self.text("live-trial") == "End trial")
         camera.send(camera.at(self.before_s))
         self.until(lambda: len(live.ask("state")["rises"]) == 2)
-        self.until(lambda: re.fullmatch(self.MOVE, self.part("live-move").text))
+        self.until(lambda: re.fullmatch(self.MOVE, self.text("live-move")))
         self.assertEqual(self.part("live-place").get_attribute("class"), "beyond")
-        self.assertEqual(self.part("live-verdict").text, "✗ Not within 6 mm")  # in words, not by a colour alone
+        self.assertEqual(self.text("live-verdict"), "✗ Not within 6 mm")  # in words, not by a colour alone
         self.assertEqual(int(self.part("live-sound").get_attribute("data-rung")), rung)
         self.shot("rise")
         for width in (800, 1400):
@@ -612,19 +601,19 @@ class Page(Browser):
             self.shot(f"rise-{width}")
         self.until(lambda: live.ask("state")["recorded_s"] > self.before_s - 0.3)
         ActionChains(self.browser).send_keys("m").perform()  # the person sits; the joint is moved
-        self.until(lambda: "Move 1 noted" in self.part("said").text)
+        self.until(lambda: "Move 1 noted" in self.text("said"))
         camera.send()
         self.until(lambda: len(live.ask("state")["rises"]) == 4)
         self.expect_place(live.ask("state")["place"], MOVED)
-        self.until(lambda: "nearer to the knee than before the last move" in self.part("live-change").text)
+        self.until(lambda: "nearer to the knee than before the last move" in self.text("live-change"))
         self.assertEqual(self.part("live-place").get_attribute("class"), "within")
-        self.assertEqual(self.part("live-verdict").text, "✓ Within 6 mm")
+        self.assertEqual(self.text("live-verdict"), "✓ Within 6 mm")
         self.assertGreater(int(self.part("live-sound").get_attribute("data-rung")), rung)
         self.shot("moved")
         camera.end()
         state = self.until(lambda: (now := live.ask("state"))["phase"] in ("done", "failed") and now)
         self.assertEqual(state["failed"], "")
-        self.until(lambda: "differ from the trial" in self.part("live-difference").text)
+        self.until(lambda: "differ from the trial" in self.text("live-difference"))
         self.shot("done")
         log = [line for line in self.browser.get_log("browser") if line["level"] == "SEVERE" and "picture/" not in line["message"]]
         self.assertEqual(log, [])
@@ -658,7 +647,7 @@ class Page(Browser):
         away = [(float(truth[f"{name}_{axis}_px"]) + 0.5) * scale - size / 2
                 for axis, size in (("x", picture.rect["width"]), ("y", picture.rect["height"]))]
         ActionChains(self.browser).move_to_element_with_offset(picture, *away).click().perform()
-        self.until(lambda: self.part("said").text == f"{name} named")
+        self.until(lambda: self.text("said") == f"{name} named")
 
     def test_a_marker_is_named_by_a_click_and_a_trial_ended_by_a_button(self):
         camera = Camera(self.folder / "film.ts")
@@ -669,16 +658,16 @@ class Page(Browser):
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
         self.click_marker("exo_knee", read_table(self.folder / "worn/truth.csv")[0])  # seated, the joint rests
         self.part("live-trial").click()
-        self.until(lambda: self.part("live-trial").text == "End trial")
+        self.until(lambda: self.text("live-trial") == "End trial")
         self.part("live-moved").click()
-        self.until(lambda: "Move 1 noted" in self.part("said").text)
+        self.until(lambda: "Move 1 noted" in self.text("said"))
         # Nothing is lost while the page is closed, and it is as it was when it is opened again.
         self.browser.get("about:blank")
         camera.send()
         self.until(lambda: len(live.ask("state")["rises"]) == 2)
         self.browser.get(live.address)
-        self.until(lambda: self.part("live-rise-count").text == "2 rises")
-        self.assertEqual(self.part("live-trial").text, "End trial")
+        self.until(lambda: self.text("live-rise-count") == "2 rises")
+        self.assertEqual(self.text("live-trial"), "End trial")
         self.part("live-trial").click()
         state = self.until(lambda: (now := live.ask("state"))["phase"] in ("done", "failed") and now)
         self.assertEqual(state["failed"], "")

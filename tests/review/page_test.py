@@ -20,14 +20,13 @@ import urllib.error
 import urllib.request
 
 try:
-    from browser import DRIVER, headless
+    from browser import DRIVER, PageParts, headless
     from selenium.webdriver.common.action_chains import ActionChains
-    from selenium.common.exceptions import StaleElementReferenceException
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select
 except ImportError:
-    DRIVER = None
+    DRIVER, PageParts = None, object
 
 BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
 WAIT_S = 60  # a loaded machine; what is waited for takes a second
@@ -112,7 +111,7 @@ class Review:
 
 @unittest.skipIf(DRIVER is None, "no chromedriver and selenium for this Python "
                  "(Debian packages chromium-driver and python3-selenium)")
-class ReviewPage(unittest.TestCase):
+class ReviewPage(PageParts, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory(prefix="lake-test-")
@@ -166,23 +165,8 @@ class ReviewPage(unittest.TestCase):
 
     # What the page shows
 
-    def part(self, name):
-        return self.browser.find_element(By.ID, name)
-
-    def text(self, name):
-        return self.part(name).text
-
     def until(self, condition, what=None):
-        def holds():
-            try:
-                return condition()
-            except StaleElementReferenceException:  # the page replaced an element between two questions
-                return False
-
-        end = time.monotonic() + WAIT_S
-        while not holds():
-            self.assertLess(time.monotonic(), end, what or f"{self.text('state')} {self.text('said')}")
-            time.sleep(0.08)
+        self.wait_until(condition, WAIT_S, what or (lambda: f"{self.text('state')} {self.text('said')}"))
 
     def hold_a_state_until_answered(self, question):
         """On a busy machine the answer of a poll arrives after that of a later question."""

@@ -14,13 +14,12 @@ import unittest
 try:
     import numpy
     from PIL import Image
-    from browser import DRIVER, headless
-    from selenium.common.exceptions import StaleElementReferenceException
+    from browser import DRIVER, PageParts, headless
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select
 except ImportError:
-    DRIVER = None
+    DRIVER, PageParts = None, object
 
 BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
 SAMPLE = pathlib.Path(__file__).resolve().parents[2] / "data/sts-study"
@@ -71,7 +70,7 @@ def draw_boards(folder):
 
 
 @unittest.skipIf(DRIVER is None, "no chromedriver, selenium, numpy or PIL for this Python")
-class Tasks(unittest.TestCase):
+class Tasks(PageParts, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory(prefix="lake-test-")
@@ -96,23 +95,8 @@ class Tasks(unittest.TestCase):
     def tearDown(self):
         print(f"{self.id().rsplit('.', 1)[1]}: {self.clicks} clicks, {time.monotonic() - self.began:.0f} s")
 
-    def part(self, name):
-        return self.browser.find_element(By.ID, name)
-
-    def text(self, name):
-        return self.part(name).text
-
     def until(self, condition, what):
-        def holds():
-            try:
-                return condition()
-            except StaleElementReferenceException:  # the page has made its list anew between two questions
-                return False
-
-        end = time.monotonic() + WAIT_S
-        while not holds():
-            self.assertLess(time.monotonic(), end, what)
-            time.sleep(0.1)
+        self.wait_until(condition, WAIT_S, what)
 
     def click(self, part):
         (self.part(part) if isinstance(part, str) else part).click()
