@@ -186,7 +186,7 @@ simulate … --animation odd  ->  see lake-simulate --help
 stroke … --speed-tolerancx  ->  did you mean '--speed-tolerance
 stroke … --rod-markers odd  ->  --stroke-log and --rod-markers belong to --validate TRACKDIR
 stroke … --pot odd  ->  give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,
-stroke … --pins odd  ->  --pins 'odd': write NAME=
+stroke … --pins odd  ->  --pins 'odd': write it as NAME=VALUE
 stroke … --pins odd=3  ->  ena, in1, in2, retract, extend, out1, out2
 symmetry  ->  left
 symmetry … --sync absent.xyz  ->  only applies together with --forces
