@@ -74,6 +74,7 @@ double AngleOf(const StrokeSchedule& schedule, const OwnSpeed& own, double time_
 std::vector<double> ErrorsOf(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
                              const OwnSpeed& own) {
   std::vector<double> errors;
+  errors.reserve(samples.size());
   for (const AngleSample& sample : samples) errors.push_back(sample.knee_deg - AngleOf(schedule, own, sample.time_s));
   return errors;
 }

@@ -209,7 +209,7 @@ fs::path TakeFromDesign(const Json& texts, const fs::path& file, OptionList opti
     if (option == options.All().end()) throw Fail("{}: unknown key '{}'", file.string(), key);
     fs::path absent;
     const std::string text = WithFile(*option, item.value().get<std::string>(), [&](const fs::path& named) {
-      const fs::path place = (file.parent_path() / named).lexically_normal();
+      fs::path place = (file.parent_path() / named).lexically_normal();
       if (!fs::exists(place)) absent = place;
       return place;
     });

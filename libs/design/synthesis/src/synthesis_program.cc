@@ -397,8 +397,8 @@ class Builder {
     const std::string name = place + current_.name;
     const PoseStart start = StartOf(std::lerp(standing_rad, at_range_.theta_rad, fraction));
     const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-    const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, fraction, standing_rad,
-                                       start.phi_rad, current_.shift);
+    PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, fraction, standing_rad,
+                                 start.phi_rad, current_.shift);
     AddNoTurningRow(nlp(), pose);
     return pose;
   }
