@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lake/gait/leg_fit.h"
 #include "lake/gait/movement.h"
 #include "synthetic_leg.h"
 

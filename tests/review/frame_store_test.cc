@@ -1,6 +1,8 @@
 // Frame n is frame n, whatever was shown before.
 #include "lake/review/frame_store.h"
 
+#include <gtest/gtest.h>
+
 #include <opencv2/imgproc.hpp>
 #include <thread>
 
