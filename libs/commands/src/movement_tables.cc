@@ -307,9 +307,9 @@ std::string WalkText(const gait::Walk& walk) {
       if (std::isfinite(of.markers_later_s)) later_ms.push_back(1000 * of.markers_later_s);
     }
     if (events > 0) text += fmt::format("{} by force plates: {}", ToString(kind), events);
-    if (!later_ms.empty())
-      text += fmt::format("; the markers show it {:.0f} ms {} (mean)", std::abs(Mean(later_ms)),
-                          Mean(later_ms) < 0 ? "earlier" : "later");
+    if (const double mean_ms = Mean(later_ms); !later_ms.empty())
+      text += fmt::format("; the markers show it {:.0f} ms {} (mean)", std::abs(mean_ms),
+                          mean_ms < 0 ? "earlier" : "later");
     if (events > 0) text += "\n";
   }
   return text;

@@ -35,8 +35,7 @@ std::string RebuiltText(const StudyResults& results) {
   if (!rebuilt.is_object()) return "";
   return fmt::format(
       "The exoskeleton hides the knee in {} frames, where it is rebuilt from the technical markers, ± {} mm (1 SD "
-      "along "
-      "each axis). ",
+      "along each axis). ",
       rebuilt.at("frames").get<int>(), RoundedText(NumberAt(rebuilt, "sd_mm"), 1));
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "balance.h"
 #include "lake/core/angles.h"
@@ -554,6 +555,7 @@ Model ByMotionAlone(const motion::MarkerRecording& trajectory, LegPathOptions pa
 // The trial as measured, which the draws vary.
 struct Measured {
   std::vector<Rise> rises;
+  std::size_t without_forces = 0;  // rises left out
   std::vector<Window> windows;
   std::vector<double> cutoffs_hz;
   std::vector<LegPath> paths;  // one per cutoff; the model has the first
@@ -576,7 +578,11 @@ Measured Measure(const motion::MarkerRecording& trajectory, const std::vector<mo
                  LegPathOptions path_options, const LoadsOptions& options, const std::optional<GroundForces>& forces) {
   Measured measured;
   measured.rises = RisesOf(events);
-  if (forces) measured.rises = RisesWithin(*forces, measured.rises);
+  if (forces) {
+    std::vector<Rise> held = RisesWithin(*forces, measured.rises);
+    measured.without_forces = measured.rises.size() - held.size();
+    measured.rises = std::move(held);
+  }
   path_options.cutoff_hz = options.cutoff_with_forces_hz;
   measured.at_custom = MakeLegPath(trajectory, path_options);
   measured.windows = WindowsOf(measured.rises, trajectory.time_s, options);
@@ -722,10 +728,10 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   result.balance = FindBalance(measured.by_motion, measured.Trunk(), measured.rises, options);
   result.body_path = MeanBodyPath(measured.by_motion, measured.Trunk(), measured.rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
-  if (const std::size_t rises = RisesOf(events).size(), held = measured.rises.size(); held < rises)
+  if (const std::size_t held = measured.rises.size(); measured.without_forces > 0)
     result.warnings.push_back(
         fmt::format("the forces run from {:.2f} to {:.2f} s and hold {} of the {} rises: the others are left out",
-                    forces->time_s.front(), forces->time_s.back(), held, rises));
+                    forces->time_s.front(), forces->time_s.back(), held, held + measured.without_forces));
   if (forces) {
     WarnOfForces(measured.model, measured.rises, options, result);
     WarnOfClock(measured.model, measured.windows, result);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <set>
 
 #include "film_rates.h"
 #include "lake/core/error.h"
@@ -138,6 +137,7 @@ Elapsed LikeliestTime(const Interval& interval, double usual_s, double longest_s
 
 // What lies before this frame. `uneven_s`: how far frames are from their stamps, root mean square.
 Elapsed Judge(const TimedPaths& paths, std::size_t at, double usual_s, double uneven_s) {
+  if (paths.IsCut(at)) return {};  // decided
   constexpr double kPlain = 1.5, kLong = 2.5, kLongest_s = 0.5;
   const double stamped_s = paths.TimeAt(at) - paths.TimeAt(at - 1), misfit = paths.Misfit(at);
   if (stamped_s < kLong * usual_s && misfit < kPlain) return {};
@@ -394,11 +394,9 @@ class FrameClock {
     TimedPaths paths(recording_, NewFrames());
     const double usual_s = paths.UsualInterval();
     std::vector<Elapsed> before(paths.Frames());
-    std::set<std::ptrdiff_t> decided;
     const auto judge = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
       for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(from, 1); k < std::min(to, std::ssize(before)); ++k)
-        before[static_cast<std::size_t>(k)] =
-            decided.contains(k) ? Elapsed() : Judge(paths, static_cast<std::size_t>(k), usual_s, times.uneven_s);
+        before[static_cast<std::size_t>(k)] = Judge(paths, static_cast<std::size_t>(k), usual_s, times.uneven_s);
     };
     judge(1, std::ssize(before));
     std::vector<std::pair<std::size_t, std::size_t>> cuts;
@@ -427,7 +425,6 @@ class FrameClock {
         times.position_jumps.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
       }
       paths.Cut(static_cast<std::size_t>(at));
-      decided.insert(at);
       judge(at - kReach, at + kReach);
     }
     if (!cuts.empty()) ThrowCuts(cuts);

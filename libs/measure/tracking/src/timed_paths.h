@@ -74,6 +74,7 @@ class TimedPaths {
 
   // No path leads from the frame before this one to it.
   void Cut(std::size_t at) { is_cut_[at] = true; }
+  bool IsCut(std::size_t at) const { return is_cut_[at]; }
 
   // From frame `first` − 1 to frame `end`, with those in between.
   Interval Between(std::size_t first, std::size_t end) const;
